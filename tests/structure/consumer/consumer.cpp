@@ -1,0 +1,17 @@
+// What somebody with the installed library writes first: a little of several layers.
+#include <iostream>
+
+#include "color/color.h"
+#include "core/error.h"
+#include "io/read.h"
+#include "map/layouts.h"
+
+int main() {
+    const auto config = chromeball::ColorConfig::built_in();
+    std::cout << config.space("scene_linear") << ' ' << chromeball::layout_names().front() << '\n';
+    try {
+        chromeball::read_photo("nowhere.jpg");
+    } catch (const chromeball::Error& e) {
+        std::cout << e.what() << '\n';
+    }
+}
