@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+
+#include "core/image.h"
+#include "map/affine.h"
+#include "map/layouts.h"
+#include "map/projections.h"
+
+namespace chromeball {
+
+/// Red, green, blue, and a weight that colour is multiplied by.
+struct Rgbw {
+    float r = 0, g = 0, b = 0, w = 0;
+
+    void add(float weight, const float* pixel) {
+        r += weight * pixel[0];
+        g += weight * pixel[1];
+        b += weight * pixel[2];
+        w += weight * pixel[3];
+    }
+};
+
+/// A picture that light is taken from, prepared so that a bilinear tap needs no conditions: four
+/// channels (colour multiplied by a weight, and the weight: alpha, 0 where a pixel must not be
+/// used), with a border around it (around each face of a cube) that holds what lies beyond the
+/// seam.
+struct Source {
+    AnyProjection projection;
+    Image pixels;  ///< prepared; 4 channels
+    int border = 1;
+    /// Of a cube: the width of a face; the faces stand below each other, each with its border.
+    int face_size = 0;
+    /// Projection position -> pixel position in `pixels` (of a cube: not used).
+    Affine to_pixels;
+    /// Of a ball: its outline in `pixels`' coordinates. Taps there drop what is not purely ball,
+    /// and a direction that the photo shows counts as shown whatever was dropped.
+    std::optional<Outline> ball;
+    /// Of a ball: the part of `pixels` that the photo really has.
+    double left = 0, top = 0, right = 0, bottom = 0;
+    /// Of a ball: the smallest depth inside the outline, in pixels, at which pixels are usable.
+    double rim_depth = 0;
+    double rim_band = 0;                ///< down to which depth the rim has taps of its own
+    double turn_cos = 1, turn_sin = 0;  ///< of the outline's angle
+
+    /// Steradians per pixel in the mean, over what the picture shows.
+    double mean_solid_angle = 0;
+};
+
+/// A ball in a photo.
+///
+/// pixels     the photo or a part of it, 3 or 4 channels, scene-linear, colour multiplied by alpha
+/// to_pixels  from the positions that `ball` knows to those in `pixels`
+/// rim_blur   standard deviation of the lens' blur, pixels: how far background leaks into the ball
+Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to_pixels,
+                   double rim_blur = 0);
+
+/// An environment map; its picture must have the layout's aspect: pixels.size() ==
+/// layout.picture(n).
+Source map_source(const Image& pixels, const Layout& layout);
+
+/// The part of a photo that a ball's conversion needs, with a margin, cut to `available`.
+Window needed_window(const Outline& outline, const Window& available);
+
+}  // namespace chromeball
