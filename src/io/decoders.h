@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/photo.h"
+#include "io/probe.h"
+
+// The doors behind read.cpp: one for OpenEXR, one for everything else. What is declared here shows
+// no third-party type, so that the second (whose library is slow to load) can become a module.
+
+namespace chromeball::io {
+
+/// What is wanted of a file.
+struct DecodeRequest {
+    std::int64_t max_pixels = 0;
+    std::optional<std::pair<int, int>> rows;  ///< of the upright display window
+    bool header_only = false;
+};
+
+/// Decodes an OpenEXR file with OpenEXR alone.
+Photo decode_exr(const std::string& path, const FileProbe& probe, const DecodeRequest& request);
+
+/// Decodes anything else with OpenImageIO.
+Photo decode_with_oiio(const std::string& path, const FileProbe& probe,
+                       const DecodeRequest& request);
+
+/// Throws when a picture of that size is not allowed, before anything of its size is allocated.
+void check_size(const std::string& path, std::int64_t width, std::int64_t height,
+                std::int64_t max_pixels);
+
+/// The rows first to one-past-last of `stored` that are wanted: all, or the part of `rows` that it
+/// holds (possibly none), in the coordinates of `stored`.
+std::pair<int, int> wanted_rows(const Window& stored,
+                                const std::optional<std::pair<int, int>>& rows);
+
+}  // namespace chromeball::io

@@ -1,0 +1,87 @@
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfEnvmap.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfIO.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "io/encoders.h"
+#include "io/exr_attributes.h"
+
+namespace chromeball::io {
+namespace {
+
+/// A file in memory.
+class MemoryStream : public Imf::OStream {
+public:
+    explicit MemoryStream(const std::string& name) : Imf::OStream(name.c_str()) {}
+
+    void write(const char data[], int count) override {
+        const std::size_t end = at_ + static_cast<std::size_t>(count);
+        if (end > bytes_.size()) bytes_.resize(end);
+        std::memcpy(bytes_.data() + at_, data, static_cast<std::size_t>(count));
+        at_ = end;
+    }
+    std::uint64_t tellp() override { return at_; }
+    void seekp(std::uint64_t position) override { at_ = position; }
+
+    Bytes take() { return std::move(bytes_); }
+
+private:
+    Bytes bytes_;
+    std::size_t at_ = 0;
+};
+
+std::vector<std::string> channel_names(const Values& values) {
+    std::vector<std::string> names = values.colors == 1 ? std::vector<std::string>{"Y"}
+                                                        : std::vector<std::string>{"R", "G", "B"};
+    if (values.alpha) names.emplace_back("A");
+    if (static_cast<int>(names.size()) < values.channels) names.emplace_back("confidence");
+    return names;
+}
+
+Imath::Box2i box_of(Size size) { return {{0, 0}, {size.width - 1, size.height - 1}}; }
+
+Imf::Header header_of(const Values& values, const WriteOptions& options, Imf::PixelType type) {
+    const Size display = options.display == Size{} ? values.size : options.display;
+    // PIZ: a fifth of ZIP's time for the same size, and lossless.
+    Imf::Header header(box_of(display), box_of(values.size), 1, {0, 0}, 1, Imf::INCREASING_Y,
+                       Imf::PIZ_COMPRESSION);
+    for (const std::string& name : channel_names(values))
+        header.channels().insert(name, Imf::Channel(type, 1, 1, name == "A"));
+    add_metadata(header, options.metadata);
+    add_color_tag(header, options.color);
+    if (options.envmap != EnvmapKind::none)
+        Imf::addEnvmap(
+            header, options.envmap == EnvmapKind::latlong ? Imf::ENVMAP_LATLONG : Imf::ENVMAP_CUBE);
+    return header;
+}
+
+}  // namespace
+
+Bytes encode_exr(const std::string& path, const Values& values, const WriteOptions& options) {
+    const Imf::PixelType type = values.type == PixelType::f16 ? Imf::HALF : Imf::FLOAT;
+    const std::size_t value = bytes_per_value(values.type);
+    const std::size_t pixel = value * static_cast<std::size_t>(values.channels);
+    Imf::FrameBuffer buffer;
+    std::size_t offset = 0;
+    for (const std::string& name : channel_names(values)) {
+        buffer.insert(
+            name, Imf::Slice::Make(type, values.data.data() + offset, box_of(values.size), pixel,
+                                   pixel * static_cast<std::size_t>(values.size.width)));
+        offset += value;
+    }
+    MemoryStream stream(path);
+    {
+        Imf::OutputFile file(stream, header_of(values, options, type));
+        file.setFrameBuffer(buffer);
+        file.writePixels(values.size.height);
+    }  // the destructor writes the table of contents
+    return stream.take();
+}
+
+}  // namespace chromeball::io

@@ -1,0 +1,96 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "io/facts.h"
+
+namespace chromeball {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kName = "chromeball";
+
+/// No file tells where on a machine the photo lay.
+std::string without_folders_if_absolute(const std::string& path) {
+    return path.starts_with('/') ? path.substr(path.rfind('/') + 1) : path;
+}
+
+Json to_json(const Outline& outline) {
+    return {{"cx", outline.cx},
+            {"cy", outline.cy},
+            {"a", outline.a},
+            {"b", outline.b},
+            {"angle", outline.angle}};
+}
+
+Json to_json(const Camera& camera) {
+    Json json = Json::object();
+    if (camera.focal) json["focal_px"] = *camera.focal;
+    json["principal"] = {camera.principal.x, camera.principal.y};
+    return json;
+}
+
+Outline outline_from(const Json& json) {
+    return {json.at("cx").get<double>(), json.at("cy").get<double>(), json.at("a").get<double>(),
+            json.at("b").get<double>(), json.at("angle").get<double>()};
+}
+
+Camera camera_from(const Json& json) {
+    Camera camera;
+    if (json.contains("focal_px")) camera.focal = json.at("focal_px").get<double>();
+    camera.principal = {json.at("principal").at(0).get<double>(),
+                        json.at("principal").at(1).get<double>()};
+    if (camera.focal && !(*camera.focal > 0)) throw std::domain_error("focal length");
+    return camera;
+}
+
+Provenance from_json(const Json& json) {
+    Provenance provenance;
+    provenance.version = json.value("version", "");
+    provenance.source = json.value("source", "");
+    provenance.layout = json.value("layout", "");
+    if (json.contains("outline")) provenance.outline = outline_from(json.at("outline"));
+    if (json.contains("camera")) provenance.camera = camera_from(json.at("camera"));
+    if (json.contains("rotation")) {
+        if (json.at("rotation").size() != 9) throw std::domain_error("rotation");
+        provenance.rotation = json.at("rotation").get<std::array<double, 9>>();
+    }
+    return provenance;
+}
+
+/// The JSON text, wherever a format kept it: EXR and HDR under its name, others as a description.
+std::optional<std::string> stored_text(const Metadata& metadata) {
+    if (auto text = metadata.text(kName)) return text;
+    const auto description = metadata.text("ImageDescription");
+    const std::string prefix = std::string(kName) + " {";
+    if (!description || !description->starts_with(prefix)) return std::nullopt;
+    return description->substr(prefix.size() - 1);
+}
+
+}  // namespace
+
+Attribute to_attribute(const Provenance& provenance) {
+    Json json = Json::object();
+    json["version"] = provenance.version;
+    json["source"] = without_folders_if_absolute(provenance.source);
+    if (!provenance.layout.empty()) json["layout"] = provenance.layout;
+    if (provenance.outline) json["outline"] = to_json(*provenance.outline);
+    if (provenance.camera) json["camera"] = to_json(*provenance.camera);
+    if (provenance.rotation) json["rotation"] = *provenance.rotation;
+    // ASCII only, as EXIF demands; a name that is no UTF-8 must not stop the writing.
+    return {kName, "string", {}, json.dump(-1, ' ', true, Json::error_handler_t::replace)};
+}
+
+std::optional<Provenance> provenance_from(const Metadata& metadata) {
+    const auto text = stored_text(metadata);
+    if (!text) return std::nullopt;
+    const Json json = Json::parse(*text, nullptr, false);
+    if (!json.is_object()) return std::nullopt;
+    try {
+        return from_json(json);
+    } catch (const std::exception&) {  // damaged: as good as none
+        return std::nullopt;
+    }
+}
+
+}  // namespace chromeball

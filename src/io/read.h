@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/photo.h"
+
+namespace chromeball {
+
+struct ReadOptions {
+    /// Larger pictures are refused before anything is allocated.
+    std::int64_t max_pixels = 400'000'000;
+    /// First and one-past-last row wanted, of the upright display window. Formats that can decode
+    /// only those; the photo's window tells which rows came: the part of these that the file has
+    /// (possibly none), or all where the picture is stored on its side. Absent: all.
+    std::optional<std::pair<int, int>> rows = std::nullopt;
+};
+
+/// What a file says of itself, without its pixels (photo.pixels is empty, all else is filled in).
+///
+/// Metadata has EXR attributes under their own names ("envmap" with the text "latlong" or "cube")
+/// and those of other formats under OpenImageIO's ("Exif:FocalLength", "Make", ...).
+Photo read_header(const std::string& path, const ReadOptions& options = {});
+
+/// A picture of any format that OpenEXR or OpenImageIO reads, upright. Throws Error naming the
+/// file: missing, a folder, empty, truncated, of an unknown type, too large.
+Photo read_photo(const std::string& path, const ReadOptions& options = {});
+
+}  // namespace chromeball

@@ -1,0 +1,178 @@
+#include "io/whole_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "io/files.h"
+#include "io/read.h"
+#include "io/write.h"
+
+namespace chromeball {
+namespace {
+
+using test::message_of;
+using test::pattern;
+using test::TempFolder;
+using testing::Test;
+
+std::size_t files_in(const TempFolder& folder) {
+    std::size_t count = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path()))
+        ++count;
+    return count;
+}
+
+WriteOptions format(FileFormat format) {
+    WriteOptions options;
+    options.format = format;
+    return options;
+}
+
+/// What a child process that can write `limit` bytes to a file is told when it writes the picture.
+std::string message_under_limit(const std::string& file, FileFormat kind, rlim_t limit) {
+    int ends[2];
+    if (::pipe(ends) != 0) return "no pipe";
+    const pid_t child = ::fork();
+    if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit most{limit, limit};
+        ::setrlimit(RLIMIT_FSIZE, &most);
+        const std::string message = message_of([&] {
+            write_image(file, pattern({256, 128}, 3).view(), format(kind));
+        });
+        const auto sent = ::write(ends[1], message.data(), message.size());
+        ::_exit(sent < 0);
+    }
+    ::close(ends[1]);
+    std::string message(4096, '\0');
+    message.resize(static_cast<std::size_t>(
+        std::max<ssize_t>(0, ::read(ends[0], message.data(), message.size()))));
+    ::close(ends[0]);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? message : "the child died";
+}
+
+TEST(WholeFile, IsNotThereWhenTheDiskFillsUp) {
+    const TempFolder folder;
+    for (const auto kind :
+         {FileFormat::exr, FileFormat::hdr, FileFormat::tif, FileFormat::png, FileFormat::jpg}) {
+        const std::string file = folder / ("x." + std::string(extension_of(kind)));
+        for (const rlim_t limit : {0, 100, 1000}) {
+            const std::string message = message_under_limit(file, kind, limit);
+            EXPECT_TRUE(message.starts_with(file + ": cannot be written: ")) << message;
+            EXPECT_NE(message.find("File too large"), std::string::npos) << message;
+            EXPECT_EQ(files_in(folder), 0u);
+        }
+    }
+}
+
+TEST(WholeFile, LeavesTheOldOneAloneOnFailure) {
+    const TempFolder folder;
+    const std::string file = folder / "x.exr";
+    write_image(file, pattern({8, 8}, 3).view(), {});
+    const std::string before = test::read_bytes(file);
+    message_under_limit(file, FileFormat::exr, 100);
+    EXPECT_TRUE(before == test::read_bytes(file));
+    EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, ReplacesTheOldOneAndLeavesNothingBeside) {
+    const TempFolder folder;
+    test::write_bytes(folder / "x.exr", "old");
+    test::write_bytes(folder / ".x.exr.part", "left over by an interrupted run");
+    write_image(folder / "x.exr", pattern({8, 4}, 3).view(), {});
+    EXPECT_EQ(read_photo(folder / "x.exr").display, (Size{8, 4}));
+    EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, GoesThroughALinkInsteadOfReplacingIt) {
+    const TempFolder folder;
+    test::write_bytes(folder / "real.exr", "old");
+    std::filesystem::create_symlink("real.exr", folder / "link.exr");
+    write_image(folder / "link.exr", pattern({8, 4}, 3).view(), {});
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.exr"));
+    EXPECT_EQ(read_photo(folder / "real.exr").display, (Size{8, 4}));
+}
+
+TEST(Target, ThatIsAFolderIsRefused) {
+    const TempFolder folder;
+    std::filesystem::create_directory(folder / "out.exr");
+    EXPECT_EQ(message_of([&] {
+                  write_image(folder / "out.exr", pattern({2, 2}, 3).view(), {});
+              }),
+              folder / "out.exr: is a folder; give the name of a file");
+    EXPECT_EQ(message_of([&] {
+                  write_image(folder / "new/", pattern({2, 2}, 3).view(), {});
+              }),
+              folder / "new/: is the name of a folder; give the name of a file");
+}
+
+TEST(Target, InAMissingFolderIsRefusedWithTheFoldersName) {
+    const TempFolder folder;
+    EXPECT_EQ(message_of([&] {
+                  write_image(folder / "no/x.exr", pattern({2, 2}, 3).view(), {});
+              }),
+              folder / "no/x.exr: cannot be written: there is no folder " + folder.path() +
+                  "/no; make it first");
+}
+
+TEST(Target, ThatIsADeviceIsRefused) {
+    EXPECT_EQ(message_of([&] {
+                  write_image("/dev/null", pattern({2, 2}, 3).view(), {});
+              }),
+              "/dev/null: is not a regular file; give the name of a file");
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST(Target, InAReadOnlyFolderIsRefused) {
+    const TempFolder folder;
+    std::filesystem::create_directory(folder / "locked");
+    ::chmod((folder / "locked").c_str(), 0555);
+    // Root may write anywhere: a child of lower rank has to try.
+    const pid_t child = ::fork();
+    if (child == 0) {
+        ::chmod(folder.path().c_str(), 0755);
+        if (::geteuid() == 0 && ::seteuid(65534) != 0) ::_exit(2);
+        const std::string message = message_of([&] {
+            write_image(folder / "locked/x.exr", pattern({2, 2}, 3).view(), {});
+        });
+        ::_exit(message == folder /
+                               "locked/x.exr: cannot be written: Permission denied; check the "
+                               "permissions or write elsewhere"
+                    ? 0
+                    : 1);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(MakeFolder, MakesOneButNotItsParents) {
+    const TempFolder folder;
+    make_folder(folder / "faces");
+    make_folder(folder / "faces");  // there already: fine
+    EXPECT_TRUE(std::filesystem::is_directory(folder / "faces"));
+    EXPECT_NE(message_of([&] { make_folder(folder / "a/b"); }).find("there is no folder"),
+              std::string::npos);
+    test::write_bytes(folder / "file", "x");
+    EXPECT_EQ(message_of([&] { make_folder(folder / "file"); }),
+              folder / "file: is a file, not a folder; give another name");
+}
+
+TEST(WriteFile, WritesText) {
+    const TempFolder folder;
+    write_file(folder / "a.json", "{}\n");
+    write_file(folder / "a.json", "[]\n");
+    EXPECT_EQ(test::read_bytes(folder / "a.json"), "[]\n");
+    EXPECT_EQ(files_in(folder), 1u);
+}
+
+}  // namespace
+}  // namespace chromeball
