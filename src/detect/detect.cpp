@@ -1,0 +1,289 @@
+#include "detect/detect.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "detect/candidates.h"
+#include "detect/grey.h"
+#include "detect/rim.h"
+#include "detect/score.h"
+
+namespace chromeball {
+namespace {
+
+using namespace detecting;
+
+constexpr int kFinestLevel = 1200;  // long side of the finest level
+constexpr std::size_t kMostCandidates = 8;
+constexpr std::size_t kMostFollowed = 28;
+constexpr double kWorthTelling = 0.05;  // candidates below it are only clutter, but for the best
+constexpr double kHopeless = 1e-4;
+constexpr std::size_t kMostEscaping = 6;
+constexpr double kNested = 0.25;      // of the radius: so near, only one of two rims is a ball's
+constexpr double kScoredRadius = 90;  // of the level on which the inside is looked at
+
+/// A candidate on its way; outline in pixels of the photo's pixel window.
+struct Draft {
+    Outline outline;
+    Rim rim;
+    Evidence evidence;
+    double confidence = 0;
+};
+
+Outline scaled(const Outline& o, double sx, double sy) {
+    const double s = 0.5 * (sx + sy);  // the two differ by the rounding of a level's size only
+    return {o.cx * sx, o.cy * sy, o.a * s, o.b * s, o.angle};
+}
+
+double radius(const Outline& o) { return std::sqrt(o.a * o.b); }
+
+/// Same ball: outlines nearly on top of each other.
+bool same(const Outline& one, const Outline& other, double tolerance) {
+    const double r = std::min(radius(one), radius(other));
+    return std::hypot(one.cx - other.cx, one.cy - other.cy) < tolerance * r &&
+           std::abs(radius(one) - radius(other)) < tolerance * r;
+}
+
+/// Nothing a ball's outline could be: lost, too small, almost all outside the picture.
+bool lost(const Outline& o, Size size) {
+    const double r = radius(o);
+    if (!(r >= 6) || !(r < 2.0 * std::max(size.width, size.height))) return true;
+    return o.cx < -0.7 * r || o.cy < -0.7 * r || o.cx > size.width + 0.7 * r ||
+           o.cy > size.height + 0.7 * r || o.b < 0.75 * o.a;
+}
+
+/// The finest level on which the radius is at most `largest`.
+const Level& level_for(const std::vector<Level>& levels, double photo_radius, double largest) {
+    for (const Level& level : levels)
+        if (photo_radius / level.scale() <= largest) return level;
+    return levels.back();
+}
+
+/// How a rim is followed at one scale: everything in parts of the radius, but never finer than the
+/// pixels allow.
+struct Pass {
+    double largest_radius;  ///< of the level used
+    int rays;
+    double reach, loose, tight;
+    std::array<double, 3> starts;  ///< radii to start from; the true rim is rarely further inside
+};
+constexpr Pass kPasses[] = {{72, 80, 0.22, 0.08, 0.02, {1}},
+                            {130, 160, 0.10, 0.04, 0.010, {1, 1.04, 1.08}},
+                            {350, 256, 0.05, 0.016, 0.005, {1, 1.012, 1.025}}};
+
+/// What candidates are sought in.
+struct Picture {
+    Grey grey;
+    std::vector<Level> levels;
+    Lens lens;
+};
+
+RimSearch search_of(const Pass& pass, double r) {
+    const int independent = static_cast<int>(2 * std::numbers::pi * r / 1.5);
+    return {.rays = std::clamp(independent, 24, pass.rays),
+            .reach = std::max(pass.reach * r, 4.0),
+            .step = 0.5,
+            .smooth = 1.0,
+            .loose = std::max(pass.loose * r, 1.2),
+            .tight = std::max(pass.tight * r, 0.6)};
+}
+
+/// The rim from one start, in pixels of the photo.
+Rim followed(const Picture& picture, const Outline& start, const Pass& pass) {
+    const double r = radius(start);
+    if (r <= pass.largest_radius)
+        return fit_rim(picture.grey, Tone::compressed, start, search_of(pass, r), picture.lens);
+    const Level& level = level_for(picture.levels, r, pass.largest_radius);
+    const double sx = level.scale_x, sy = level.scale_y;
+    Rim rim = fit_rim(level.grey, scaled(start, 1 / sx, 1 / sy), search_of(pass, r / level.scale()),
+                      picture.lens.scaled(1 / sx, 1 / sy));
+    rim.outline = scaled(rim.outline, sx, sy);
+    rim.blur *= level.scale();
+    rim.scatter *= level.scale();
+    return rim;
+}
+
+/// Follows the rim from several starts and keeps the most significant: close inside of a mirror
+/// ball's rim its reflections make weaker rims of their own.
+void follow(Draft& draft, const Picture& picture, const Pass& pass) {
+    const Outline first = draft.outline;
+    double best = -1;
+    for (const double factor : pass.starts) {
+        if (factor == 0) continue;
+        Outline start = first;
+        start.a *= factor;
+        start.b *= factor;
+        const Rim rim = followed(picture, start, pass);
+        if (rim.significance <= best) continue;
+        best = rim.significance;
+        draft.rim = rim;
+        draft.outline = rim.outline;
+    }
+}
+
+/// Starts from circles that touch the draft's on the far side, all around it: a false rim often
+/// shares a part of the true one and cuts through the ball elsewhere.
+void escape(Draft& draft, const Picture& picture) {
+    constexpr int kDirections = 8;
+    constexpr double kShift = 0.045;  // of the radius: about what the first pass may be wrong by
+    const Pass pass{350, 160, 0.09, 0.035, 0.006, {1}};
+    const Outline first = draft.outline;
+    const double r = radius(first);
+    double best = followed(picture, first, pass).significance;
+    for (int i = 0; i < kDirections; ++i) {
+        const double turn = 2 * std::numbers::pi * i / kDirections;
+        const Outline start{first.cx + kShift * r * std::cos(turn),
+                            first.cy + kShift * r * std::sin(turn), first.a * (1 + kShift),
+                            first.b * (1 + kShift), first.angle};
+        const Rim rim = followed(picture, start, pass);
+        if (rim.significance <= best) continue;
+        best = rim.significance;
+        draft.rim = rim;
+        draft.outline = rim.outline;
+    }
+}
+
+/// On the photo's own pixels, with a window as wide as the blur asks for.
+void follow_finely(Draft& draft, const Picture& picture) {
+    for (int round = 0; round < 3; ++round) {
+        const double r = radius(draft.outline), blur = std::max(0.6, draft.rim.blur);
+        const double wide = round == 0 ? 1.5 : 1.0;
+        const RimSearch search{
+            .rays = std::clamp(static_cast<int>(2 * std::numbers::pi * r), 96, 1200),
+            .reach = wide * (2 + 4 * blur),
+            .step = std::max(0.25, 0.35 * blur),
+            .smooth = std::max(0.6, 0.5 * blur),
+            .loose = wide * (1 + blur),
+            .tight = 0.5 + 0.5 * blur,
+            .shade = 3 + 4 * blur};
+        const Rim rim = fit_rim(picture.grey, Tone::linear, draft.outline, search, picture.lens);
+        if (lost(rim.outline, picture.grey.pixels.size)) return;
+        draft.outline = rim.outline;
+        draft.rim = rim;
+    }
+}
+
+void sort_by_significance(std::vector<Draft>& drafts) {
+    std::stable_sort(drafts.begin(), drafts.end(), [](const Draft& a, const Draft& b) {
+        return a.rim.significance > b.rim.significance;
+    });
+}
+
+/// Best first, one for each ball, at most `most`.
+void thin_out(std::vector<Draft>& drafts, double tolerance, std::size_t most, Size size) {
+    sort_by_significance(drafts);
+    std::vector<Draft> kept;
+    for (const Draft& draft : drafts) {
+        if (kept.size() == most) break;
+        if (lost(draft.outline, size)) continue;
+        if (std::none_of(kept.begin(), kept.end(),
+                         [&](const Draft& k) { return same(k.outline, draft.outline, tolerance); }))
+            kept.push_back(draft);
+    }
+    drafts = std::move(kept);
+}
+
+/// The camera's part in the shape of outlines, in pixels of the photo's window.
+Lens lens_of(const Photo& photo, const DetectOptions& options) {
+    if (options.camera && options.camera->focal)
+        return {*options.camera->focal, options.camera->principal.x - photo.window.x,
+                options.camera->principal.y - photo.window.y, true};
+    // 1.4 picture widths is 40 degrees across: a usual lens for a ball on a set.
+    return {1.4 * std::max(photo.display.width, photo.display.height),
+            0.5 * photo.display.width - photo.window.x, 0.5 * photo.display.height - photo.window.y,
+            false};
+}
+
+void judge(Draft& draft, const Picture& picture) {
+    const Level& level = level_for(picture.levels, radius(draft.outline), kScoredRadius);
+    draft.evidence =
+        evidence_of(level, scaled(draft.outline, 1 / level.scale_x, 1 / level.scale_y), draft.rim);
+    draft.confidence = confidence_of(draft.evidence);
+}
+
+void sort_by_confidence(std::vector<Draft>& drafts) {
+    std::stable_sort(drafts.begin(), drafts.end(),
+                     [](const Draft& a, const Draft& b) { return a.confidence > b.confidence; });
+}
+
+/// Of rims around nearly the same place the best: the outer ones before the inner, which may be
+/// reflections, if they are at all as sure.
+void drop_nested(std::vector<Draft>& drafts) {
+    const auto value = [](const Draft& d) { return d.rim.coverage * radius(d.outline); };
+    std::vector<Draft> kept;
+    std::stable_sort(drafts.begin(), drafts.end(),
+                     [&](const Draft& a, const Draft& b) { return value(a) > value(b); });
+    for (const Draft& draft : drafts) {
+        const bool beaten = std::any_of(drafts.begin(), drafts.end(), [&](const Draft& other) {
+            return same(other.outline, draft.outline, kNested) &&
+                   draft.rim.significance < 0.15 * other.rim.significance;
+        });
+        if (!beaten && std::none_of(kept.begin(), kept.end(), [&](const Draft& k) {
+                return same(k.outline, draft.outline, kNested);
+            }))
+            kept.push_back(draft);
+    }
+    drafts = std::move(kept);
+}
+
+std::vector<Draft> drafts_of(const Picture& picture, const Watch& watch) {
+    const Size size = picture.grey.pixels.size;
+    std::vector<Draft> drafts;
+    for (const Seed& seed : find_seeds(picture.levels, watch)) {
+        Draft draft;
+        draft.outline = {seed.x, seed.y, seed.radius, seed.radius, 0};
+        follow(draft, picture, kPasses[0]);
+        drafts.push_back(draft);
+    }
+    thin_out(drafts, 0.03, kMostFollowed, size);
+    watch.check();
+    for (Draft& draft : drafts) follow(draft, picture, kPasses[1]);
+    thin_out(drafts, 0.015, kMostFollowed, size);
+    for (Draft& draft : drafts) judge(draft, picture);
+    sort_by_confidence(drafts);
+    if (drafts.size() > kMostCandidates) drafts.resize(kMostCandidates);
+    // What shows nothing of a mirror ball is not worth the finer passes; two always get them.
+    while (drafts.size() > 2 && drafts.back().confidence < kHopeless) drafts.pop_back();
+    for (std::size_t i = 0; i < drafts.size(); ++i) {
+        watch.check();
+        Draft& draft = drafts[i];
+        if (i < kMostEscaping) escape(draft, picture);
+        follow(draft, picture, kPasses[2]);
+    }
+    thin_out(drafts, 0.015, kMostCandidates, size);
+    drop_nested(drafts);
+    for (Draft& draft : drafts) judge(draft, picture);
+    sort_by_confidence(drafts);
+    return drafts;
+}
+
+}  // namespace
+
+std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& options,
+                                  const Watch& watch) {
+    watch.check();
+    const Size size = photo.window.size;
+    if (std::min(size.width, size.height) < 16) return {};  // no ball of 12 pixels' radius shows
+    Picture picture{grey_of(photo), {}, lens_of(photo, options)};
+    picture.levels = pyramid(picture.grey.pixels, kFinestLevel);
+
+    std::vector<Candidate> balls;
+    for (Draft& draft : drafts_of(picture, watch)) {
+        watch.check();
+        if (draft.confidence < kWorthTelling && !balls.empty()) break;
+        follow_finely(draft, picture);
+        Candidate ball;
+        ball.outline = draft.outline;
+        ball.outline.cx += photo.window.x;
+        ball.outline.cy += photo.window.y;
+        ball.confidence = draft.confidence;
+        ball.visible_rim = draft.rim.visible;
+        ball.rim_blur = draft.rim.blur;
+        balls.push_back(ball);
+    }
+    return balls;
+}
+
+}  // namespace chromeball

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/outline.h"
+#include "core/photo.h"
+#include "core/watch.h"
+#include "map/camera.h"
+
+namespace chromeball {
+
+/// What is known before the search, and how sure a find must be.
+struct DetectOptions {
+    double threshold = 0.5;        ///< confidence from which on a candidate counts as found
+    std::optional<Camera> camera;  ///< with a focal length: the rim is fitted as a cone, 3 unknowns
+};
+
+/// One ball that may be there.
+struct Candidate {
+    Outline outline;         ///< upright display-window pixels
+    double confidence = 0;   ///< 0 to 1
+    double visible_rim = 0;  ///< part of the rim on which an edge was found, 0 to 1
+    double rim_blur = 0;     ///< standard deviation of the edge's blur across the rim, pixels
+};
+
+/// The mirror balls of a photo, best first, at most eight; empty where nothing round was found at
+/// all. Whether the first one counts is for the caller to say: confidence >= options.threshold.
+///
+/// Works on the photo's pixels as stored (integers) or tone-compressed (floats). Throws Error of
+/// kind `interrupted`.
+std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& options = {},
+                                  const Watch& watch = {});
+
+/// A picture to look at: the photo in 8-bit sRGB RGB with the outlines drawn on it, the best one
+/// thick, with its centre, and confidence as text. Size of the photo's window.
+Photo overlay(const Photo& photo, const std::vector<Candidate>& candidates, double threshold);
+
+}  // namespace chromeball

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/image.h"
+#include "core/photo.h"
+
+namespace chromeball::detecting {
+
+/// One channel of owned pixels, rows from top to bottom without padding.
+template <class T>
+struct Raster {
+    Size size;
+    std::vector<T> values;
+
+    Raster() = default;
+    explicit Raster(Size s) : size(s), values(s.pixels()) {}
+    T* row(int y) { return values.data() + offset(y); }
+    const T* row(int y) const { return values.data() + offset(y); }
+
+private:
+    std::size_t offset(int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width);
+    }
+};
+
+/// The photo as detection looks at it: one channel, 16 bits, tone-compressed so that bright and
+/// dark parts have edges alike.
+struct Grey {
+    Raster<std::uint16_t> pixels;
+    /// What a code stands for in (roughly) linear light: the 50 % point of a rim lies where the
+    /// pixel is half ball, half background, which is a statement about light, not about codes.
+    std::vector<float> linear;
+};
+
+/// One step of the pyramid, values 0 to 1. A position of the photo is the level's times scale
+/// (continuous coordinates, so no half-pixel terms).
+struct Level {
+    Raster<float> grey;
+    double scale_x = 1;
+    double scale_y = 1;
+    float noise = 0;  ///< typical gradient of flat parts, per pixel; never 0
+
+    double scale() const { return 0.5 * (scale_x + scale_y); }
+};
+
+/// Alpha is left out; NaN counts as black, infinity as the brightest.
+Grey grey_of(const Photo& photo);
+
+/// Levels from at most `longest` pixels on the long side down to about 40, each half the one
+/// before.
+std::vector<Level> pyramid(const Raster<std::uint16_t>& picture, int longest);
+
+}  // namespace chromeball::detecting
