@@ -1,0 +1,29 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/photo.h"
+#include "map/camera.h"
+#include "map/orientation.h"
+#include "options.h"
+
+namespace chromeball {
+
+/// The camera in force and who said so: "--focal-px", "exif: 35 mm equivalent", "orthographic", ...
+struct CameraChoice {
+    Camera camera;
+    std::string source;
+    std::optional<double>
+        distance;      ///< --distance-radii: the focal length follows from the outline
+    bool told = true;  ///< false: neither flags nor the file knew, so orthographic
+};
+
+/// Flags win over what the file says. Throws Error (usage) when flags contradict each other.
+CameraChoice choose_camera(const PhotoOptions& options, const Photo& photo);
+
+/// Camera to world from EXR metadata (worldToCamera); nothing where there is none or it is no
+/// rotation.
+std::optional<Rotation> rotation_from_metadata(const Photo& photo, const std::string& camera_axes);
+
+}  // namespace chromeball

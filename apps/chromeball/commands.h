@@ -1,0 +1,13 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+namespace chromeball {
+
+// Each adds one subcommand: its options, help, and what runs when it is chosen. Add a command here,
+// in main.cpp, and in a file of its name.
+void add_detect(CLI::App& app);
+void add_convert(CLI::App& app);
+void add_info(CLI::App& app);
+
+}  // namespace chromeball

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/watch.h"
+
+namespace chromeball {
+
+/// What a command tells the user on stderr: what it decided, warnings, progress.
+class Console {
+public:
+    explicit Console(bool quiet) : quiet_(quiet) {}
+
+    /// A decision, such as which outline was found; silenced by --quiet.
+    void say(const std::string& line) const;
+    /// Something the user should know before trusting the result; never silenced.
+    void warn(const std::string& line) const;
+    /// Watches a job: stops it on Ctrl-C; a bar on a terminal, a line a quarter otherwise.
+    Watch watch(std::string_view what) const;
+
+private:
+    bool quiet_;
+};
+
+/// Writes a result to stdout; throws Error when it cannot be written.
+void print_result(const std::string& text);
+
+}  // namespace chromeball

@@ -1,0 +1,224 @@
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "commands.h"
+#include "console.h"
+#include "core/parallel.h"
+#include "io/facts.h"
+#include "io/write.h"
+#include "options.h"
+#include "photo_job.h"
+#include "report.h"
+#include "resample/resample.h"
+#include "stop.h"
+#include "version.h"
+
+namespace chromeball {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DetectCommand {
+    std::vector<std::string> photos;
+    CommonOptions common;
+    PhotoOptions photo;
+    ColorOptions color;
+    std::optional<std::string> overlay;
+    std::optional<std::string> crop;
+    std::optional<int> crop_size;
+    bool json_lines = false;
+    bool json = false;
+};
+
+/// Where a photo's picture goes: the file named, or, of several photos, a file in the folder named.
+std::string picture_path(const std::string& target, const std::string& photo, bool several,
+                         std::string_view extension) {
+    if (!several && !fs::is_directory(target)) return target;
+    return (fs::path(target) / fs::path(photo).stem()).string() + std::string(extension);
+}
+
+FileFormat picture_format(const std::string& path) {
+    const auto format = format_from_extension(fs::path(path).extension().string());
+    if (!format)
+        throw Error(Error::Kind::usage,
+                    fmt::format("{}: name a .png, .jpg, .tif, .exr or .hdr file", path));
+    return *format;
+}
+
+/// An 8-bit picture as floats from 0 to 1, as write_image takes it.
+Image as_image(const Photo& photo) {
+    Image image(photo.window.size, 3);
+    const auto* values = reinterpret_cast<const unsigned char*>(photo.pixels.data());
+    float* out = image.row(0);
+    for (std::size_t i = 0; i < photo.window.size.pixels() * 3; ++i)
+        out[i] = static_cast<float>(values[i]) / 255;
+    return image;
+}
+
+void write_overlay(const DetectCommand& o, const PhotoJob& job, bool several) {
+    std::vector<Candidate> shown;
+    if (job.ball.candidate)
+        shown.push_back(*job.ball.candidate);
+    else if (job.ball.found)
+        shown.push_back({job.ball.outline, 1, 1, 0});
+    const std::string path = picture_path(*o.overlay, job.photo.name, several, ".png");
+    WriteOptions write;
+    write.format = picture_format(path);
+    write.bits = 8;
+    write_image(path, as_image(overlay(job.photo, shown, o.photo.threshold)).view(), write);
+}
+
+void write_crop(const DetectCommand& o, const PhotoJob& job, const MirrorBall& ball,
+                const ColorConfig& colors, bool several) {
+    const Outline& outline = ball.outline();
+    const int size =
+        o.crop_size.value_or(static_cast<int>(std::clamp(std::ceil(2 * outline.a), 16.0, 16384.0)));
+    const Window region = needed_window(outline, job.photo.window);
+    const std::string space = colors.input_space(job.photo, o.color.input_space);
+    const Image pixels = colors.to_working(job.photo, space, region);
+    Affine to_pixels = shift(-region.x, -region.y);
+    Image crop = crop_ball(pixels, outline, to_pixels, size, {&stop_requested(), nullptr});
+
+    const std::string path = picture_path(*o.crop, job.photo.name, several, ".exr");
+    WriteOptions write;
+    write.format = picture_format(path);
+    const bool linear = write.format == FileFormat::exr || write.format == FileFormat::hdr;
+    const std::string out_space = colors.output_space(std::nullopt, linear);
+    colors.from_working(crop, out_space);
+    write.color = colors.tag(out_space);
+    write.metadata = pass_through(job.photo.metadata);
+    Provenance provenance;
+    provenance.version = kVersion;
+    provenance.source = job.photo.name;
+    provenance.outline = outline;
+    provenance.camera = job.camera.camera;
+    provenance.layout = "crop";
+    write.metadata.set(to_attribute(provenance));
+    write_image(path, crop.view(), write);
+}
+
+DetectReport look_at(const std::string& path, const DetectCommand& o, const ColorConfig* colors) {
+    const bool several = o.photos.size() > 1;
+    DetectReport report;
+    report.photo = path;
+    PhotoJob job = open_photo(path, o.photo, {&stop_requested(), nullptr});
+    report.size = job.photo.display;
+    report.found = job.ball.found;
+    report.confidence = job.ball.candidate ? job.ball.candidate->confidence
+                        : job.ball.found   ? 1
+                                           : 0;
+    if (job.ball.found) {
+        const MirrorBall ball = projection_of(job);
+        report.outline =
+            job.ball.candidate && !job.ball.circle_given ? job.ball.outline : ball.outline();
+        report.visible_rim = job.ball.candidate ? job.ball.candidate->visible_rim : 1;
+        report.center_direction = ball.axis();
+        if (!ball.orthographic()) report.distance = ball.distance();
+        report.hidden_half_angle_degrees = ball.hidden_half_angle() * 180 / std::numbers::pi;
+        if (o.crop) write_crop(o, job, ball, *colors, several);
+    } else {
+        report.reason = no_ball(job, o.photo.threshold).what();
+    }
+    report.camera = job.camera;
+    report.warnings = job.warnings;
+    if (o.overlay) write_overlay(o, job, several);
+    return report;
+}
+
+/// A photo that cannot be read is an answer; what the user typed wrong is not.
+DetectReport look_safely(const std::string& path, const DetectCommand& o,
+                         const ColorConfig* colors) {
+    try {
+        return look_at(path, o, colors);
+    } catch (const Error& e) {
+        if (e.kind() != Error::Kind::failed) throw;
+        DetectReport report;
+        report.photo = path;
+        report.readable = false;
+        report.reason = e.what();
+        return report;
+    }
+}
+
+int status_of(const std::vector<DetectReport>& reports) {
+    const auto count = [&](auto test) {
+        return std::count_if(reports.begin(), reports.end(), test);
+    };
+    const auto unreadable = count([](const DetectReport& r) { return !r.readable; });
+    if (unreadable == static_cast<std::ptrdiff_t>(reports.size())) return 1;
+    if (unreadable > 0) return 3;
+    return count([](const DetectReport& r) { return !r.found; }) > 0 ? 4 : 0;
+}
+
+void run_detect(const DetectCommand& o) {
+    const Console console(o.common.quiet);
+    const ThreadLimit limit(o.common.threads);
+    const bool several = o.photos.size() > 1;
+    for (const auto& target : {o.overlay, o.crop}) {
+        if (!target) continue;
+        if (several)
+            make_folder(*target);
+        else if (!fs::is_directory(*target))
+            picture_format(*target);
+    }
+    std::optional<ColorConfig> colors;  // only cropping needs colours
+    if (o.crop) colors = ColorConfig::load(o.color.ocio);
+
+    std::vector<DetectReport> reports(o.photos.size());
+    for_each_band(
+        static_cast<int>(o.photos.size()), 1,
+        [&](int i, int) {
+            reports[static_cast<std::size_t>(i)] =
+                look_safely(o.photos[static_cast<std::size_t>(i)], o, colors ? &*colors : nullptr);
+        },
+        several ? console.watch("searching") : Watch{&stop_requested(), nullptr});
+
+    for (const DetectReport& report : reports) {
+        for (const std::string& warning : report.warnings) console.warn(warning);
+        if (!report.readable) fmt::print(stderr, "error: {}\n", report.reason);
+    }
+    print_result(to_json(reports, o.json_lines));
+    for (const DetectReport& report : reports)
+        if (report.readable && !report.found) console.say(report.reason);
+    if (const int status = status_of(reports)) throw CLI::RuntimeError(status);
+}
+
+}  // namespace
+
+void add_detect(CLI::App& app) {
+    auto o = std::make_shared<DetectCommand>();
+    auto* command = app.add_subcommand("detect", "Find the mirror ball in photos; prints JSON");
+    command->add_option("photos", o->photos, "Photos")->required()->type_name("PHOTO");
+    command
+        ->add_option("--overlay", o->overlay,
+                     "Write the photo with the outline drawn on it (of several photos: a folder)")
+        ->type_name("FILE.png");
+    command
+        ->add_option("--crop", o->crop,
+                     "Write the ball cut out, its outline made a circle that touches the four "
+                     "edges; convert --cropped takes it (of several photos: a folder)")
+        ->type_name("FILE");
+    command
+        ->add_option("--crop-size", o->crop_size,
+                     "Side of the crop, pixels (default: the ball's diameter)")
+        ->check(CLI::Range(16, 16384));
+    command->add_flag("--json-lines", o->json_lines, "One object a line instead of an array");
+    command->add_flag("--json", o->json, "JSON is what detect prints anyway");
+    add_photo_options(*command, o->photo);
+    add_color_options(*command, o->color);
+    add_common_options(*command, o->common);
+    command->footer(
+        "Exit status: 0 all found, 4 no ball in at least one, 3 some could not be read, 1 none "
+        "could.\n"
+        "Examples:\n"
+        "  chromeball detect plate.jpg --overlay look.png\n"
+        "  chromeball detect *.jpg --json-lines --overlay overlays");
+    command->callback([o] { run_detect(*o); });
+}
+
+}  // namespace chromeball

@@ -1,0 +1,155 @@
+#include "map_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/error.h"
+#include "core/names.h"
+#include "io/write.h"
+
+namespace chromeball {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
+
+std::string unknown(std::string_view what, const std::string& name,
+                    const std::vector<std::string>& names) {
+    const auto near = nearest_names(name, names);
+    if (!near.empty())
+        return fmt::format("{} \"{}\" is not known; did you mean {}?", what, name,
+                           quoted_list(near));
+    return fmt::format("{} \"{}\" is not known; choose {}", what, name, quoted_list(names));
+}
+
+const Layout& chosen_layout(const OutputOptions& o, const Preset* preset) {
+    if (o.layout && !find_layout(*o.layout)) refuse(unknown("layout", *o.layout, layout_names()));
+    if (preset && o.layout && *o.layout != preset->layout)
+        refuse(fmt::format(
+            "--for {} means --layout {}, but --layout {} is asked for; leave one of them out",
+            preset->name, preset->layout, *o.layout));
+    return *find_layout(preset     ? preset->layout
+                        : o.layout ? std::string_view(*o.layout)
+                                   : "latlong");
+}
+
+FileFormat named_format(const std::string& name) {
+    const auto format = format_from_extension(name);
+    if (!format)
+        refuse(fmt::format("format \"{}\" is not known; choose exr, hdr, tif, png or jpg", name));
+    return *format;
+}
+
+/// Of a single file: its extension decides.
+FileFormat file_format(const OutputOptions& o) {
+    const std::string extension = fs::path(o.output).extension().string();
+    if (extension.empty())
+        refuse(fmt::format(
+            "{}: a file name needs an extension that says its format: .exr, .hdr, .tif, .png or "
+            ".jpg (or ask for --layout faces, whose output is a folder)",
+            o.output));
+    const auto format = format_from_extension(extension);
+    if (!format)
+        refuse(
+            fmt::format("{}: \"{}\" files are not written; choose .exr, .hdr, .tif, .png or .jpg",
+                        o.output, extension));
+    if (o.format && named_format(*o.format) != *format)
+        refuse(fmt::format("{}: the extension says {}, --format says {}; leave --format out",
+                           o.output, extension_of(*format), *o.format));
+    return *format;
+}
+
+FileFormat folder_format(const OutputOptions& o, const Preset* preset) {
+    const auto extension = format_from_extension(fs::path(o.output).extension().string());
+    if (extension && !fs::is_directory(o.output))
+        refuse(fmt::format("{}: six faces are six files; name a folder, as -o {}", o.output,
+                           fs::path(o.output).replace_extension().string()));
+    if (o.format) return named_format(*o.format);
+    return preset ? *format_from_extension(preset->extension) : FileFormat::exr;
+}
+
+Image rows_of(const Image& map, int first, int count) {
+    Image part({map.width(), count}, map.channels());
+    std::copy_n(map.row(first), static_cast<std::ptrdiff_t>(count) * map.width() * map.channels(),
+                part.row(0));
+    return part;
+}
+
+void add(WriteReport& total, const WriteReport& one) {
+    total.clamped += one.clamped;
+    total.repaired += one.repaired;
+}
+
+}  // namespace
+
+std::array<std::string, 6> OutputPlan::face_files() const {
+    const auto& names = preset ? preset->face_names : default_face_names();
+    std::array<std::string, 6> files;
+    for (std::size_t i = 0; i < 6; ++i)
+        files[i] = (fs::path(path) / fmt::format("{}.{}", names[i], extension_of(format))).string();
+    return files;
+}
+
+OutputPlan plan_output(const OutputOptions& o) {
+    OutputPlan plan;
+    if (o.output.empty()) refuse("-o \"\": name a file or a folder to write");
+    if (o.preset) {
+        plan.preset = find_preset(*o.preset);
+        if (!plan.preset) refuse(unknown("preset", *o.preset, preset_names()));
+    }
+    plan.layout = &chosen_layout(o, plan.preset);
+    plan.path = o.output;
+    plan.format = plan.layout->separate_faces ? folder_format(o, plan.preset) : file_format(o);
+    if (o.full_float && plan.format != FileFormat::exr && plan.format != FileFormat::tif)
+        refuse(fmt::format("--float goes with EXR and TIFF; {} has no 32-bit floats",
+                           extension_of(plan.format)));
+    plan.scene_linear =
+        plan.format == FileFormat::exr || plan.format == FileFormat::hdr || o.full_float;
+    return plan;
+}
+
+void check_output(const OutputPlan& plan) {
+    if (plan.layout->separate_faces) {
+        make_folder(plan.path);
+        for (const std::string& file : plan.face_files()) check_target(file);
+    } else {
+        check_target(plan.path);
+    }
+}
+
+std::vector<std::string> write_map(const OutputPlan& plan, const Image& map,
+                                   const WriteOptions& options, WriteReport& report) {
+    if (!plan.layout->separate_faces) {
+        add(report, write_image(plan.path, map.view(), options));
+        return {plan.path};
+    }
+    const auto files = plan.face_files();
+    const int size = map.width();
+    for (int face = 0; face < 6; ++face) {
+        const Image part = rows_of(map, face * size, size);
+        add(report, write_image(files[static_cast<std::size_t>(face)], part.view(), options));
+    }
+    return {files.begin(), files.end()};
+}
+
+std::optional<std::array<std::string, 6>> faces_in(const std::string& folder) {
+    std::vector<std::array<std::string_view, 6>> name_sets{default_face_names()};
+    for (const Preset& preset : presets()) name_sets.push_back(preset.face_names);
+    name_sets.push_back({"posx", "negx", "posy", "negy", "posz", "negz"});
+    for (const auto& names : name_sets)
+        for (const char* extension : {"exr", "hdr", "tif", "tiff", "png", "jpg", "jpeg"}) {
+            std::array<std::string, 6> files;
+            bool all = true;
+            for (std::size_t i = 0; i < 6; ++i) {
+                files[i] = (fs::path(folder) / fmt::format("{}.{}", names[i], extension)).string();
+                all = all && fs::exists(files[i]);
+            }
+            if (all) return files;
+        }
+    return std::nullopt;
+}
+
+}  // namespace chromeball

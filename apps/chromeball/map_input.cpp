@@ -1,0 +1,100 @@
+#include "map_input.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/error.h"
+#include "core/names.h"
+#include "io/facts.h"
+#include "io/read.h"
+#include "map_files.h"
+
+namespace chromeball {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One file, decoded; its space and warnings go to `input`.
+Image decoded(const std::string& path, std::int64_t max_pixels, const ColorConfig& colors,
+              const std::optional<std::string>& space, MapInput& input) {
+    const Photo photo = read_photo(path, {max_pixels, std::nullopt});
+    std::string warning;
+    input.space = colors.input_space(photo, space, &warning);
+    if (!warning.empty()) input.warnings.push_back(warning);
+    std::size_t bad = 0;
+    Image pixels = colors.to_working(photo, input.space, std::nullopt, &bad);
+    input.bad_pixels += bad;
+    input.metadata = pass_through(photo.metadata);
+    return pixels;
+}
+
+Image with_alpha(const Image& pixels) {
+    if (pixels.channels() == 4) return pixels;
+    Image out(pixels.size(), 4);
+    for (int y = 0; y < out.height(); ++y)
+        for (int x = 0; x < out.width(); ++x) {
+            std::copy_n(pixels.pixel(x, y), 3, out.pixel(x, y));
+            out.pixel(x, y)[3] = 1;
+        }
+    return out;
+}
+
+Image joined_faces(const std::string& folder, std::int64_t max_pixels, const ColorConfig& colors,
+                   const std::optional<std::string>& space, MapInput& input) {
+    const auto files = faces_in(folder);
+    if (!files)
+        throw Error(
+            Error::Kind::failed,
+            fmt::format("{}: no six faces in it; files named px nx py ny pz nz, posx ..., or right "
+                        "left top bottom front back are looked for",
+                        folder));
+    Image column;
+    for (int face = 0; face < 6; ++face) {
+        const std::string& file = (*files)[static_cast<std::size_t>(face)];
+        const Image pixels = with_alpha(decoded(file, max_pixels, colors, space, input));
+        if (face == 0) column = Image({pixels.width(), 6 * pixels.width()}, 4);
+        if (pixels.size() != Size{column.width(), column.width()})
+            throw Error(
+                Error::Kind::failed,
+                fmt::format("{}: {}x{} pixels, but a face must be square and as large as {}, which "
+                            "is {} wide",
+                            file, pixels.width(), pixels.height(), files->front(), column.width()));
+        std::copy_n(pixels.row(0),
+                    static_cast<std::ptrdiff_t>(pixels.width()) * pixels.height() * 4,
+                    column.row(face * column.width()));
+    }
+    return column;
+}
+
+}  // namespace
+
+MapInput read_map(const std::string& path, const Layout& layout, std::int64_t max_pixels,
+                  const ColorConfig& colors, const std::optional<std::string>& input_space) {
+    MapInput input;
+    if (layout.separate_faces && fs::is_directory(path)) {
+        input.pixels = joined_faces(path, max_pixels, colors, input_space, input);
+    } else {
+        input.pixels = decoded(path, max_pixels, colors, input_space, input);
+    }
+    const Size size = input.pixels.size();
+    if (size != layout.picture(size.width / layout.width_units))
+        throw Error(
+            Error::Kind::failed,
+            fmt::format("{}: {}x{} pixels, but a {} picture is {} wide for {} high; check --from",
+                        path, size.width, size.height, layout.name, layout.width_units,
+                        layout.height_units));
+    return input;
+}
+
+std::string unknown_shape(const std::string& name) {
+    auto names = layout_names();
+    names.insert(names.begin(), "photo");
+    const auto near = nearest_names(name, names);
+    return fmt::format("--from {}: no such shape; {} {}", name,
+                       near.empty() ? "choose" : "did you mean",
+                       quoted_list(near.empty() ? names : near));
+}
+
+}  // namespace chromeball

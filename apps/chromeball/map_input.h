@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "color/color.h"
+#include "core/image.h"
+#include "core/metadata.h"
+#include "map/layouts.h"
+
+namespace chromeball {
+
+/// An environment map in the working space.
+struct MapInput {
+    Image pixels;  ///< layout.picture(size), 3 or 4 channels
+    std::string space;
+    Metadata metadata;  ///< what is worth passing on
+    std::size_t bad_pixels = 0;
+    std::vector<std::string> warnings;
+};
+
+/// A file, or for `faces` a folder of six. Throws Error where the picture has not the layout's
+/// aspect.
+MapInput read_map(const std::string& path, const Layout& layout, std::int64_t max_pixels,
+                  const ColorConfig& colors, const std::optional<std::string>& input_space);
+
+/// The text for a --from that is no shape.
+std::string unknown_shape(const std::string& name);
+
+}  // namespace chromeball

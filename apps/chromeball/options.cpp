@@ -1,0 +1,96 @@
+#include "options.h"
+
+#include <CLI/CLI.hpp>
+
+namespace chromeball {
+
+std::string comma_list(const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+    return list;
+}
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+    command.add_flag("--quiet", options.quiet,
+                     "No progress and no remarks on stderr; errors and warnings stay");
+    command.add_option("--threads", options.threads, "Worker threads; 0: one a processor")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str();
+}
+
+void add_color_options(CLI::App& command, ColorOptions& options) {
+    command
+        .add_option("--ocio", options.ocio,
+                    "OpenColorIO config (default: $OCIO, else the built-in one)")
+        ->type_name("FILE")
+        ->group("Colour");
+    command
+        .add_option(
+            "--input-space", options.input_space,
+            "Colour space of the input (default: the file's tag, else the config's file rules)")
+        ->type_name("SPACE")
+        ->group("Colour");
+}
+
+void add_photo_options(CLI::App& command, PhotoOptions& options) {
+    const std::string ball = "Ball (pixels of the upright photo; default: found by itself)";
+    command.add_option("--ball", options.ball, "Its outline, a circle")
+        ->type_name("CX,CY,R")
+        ->group(ball);
+    command
+        .add_option(
+            "--ellipse", options.ellipse,
+            "Its outline, an ellipse: semi-axes and the long one's angle from +x towards +y (down)")
+        ->type_name("CX,CY,A,B,DEG")
+        ->group(ball);
+    command
+        .add_flag("--cropped", options.cropped,
+                  "The photo is the ball cut out: it touches the four edges")
+        ->group(ball);
+    command
+        .add_option("--threshold", options.threshold,
+                    "Confidence from which on a ball counts as found")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str()
+        ->group(ball);
+    command.add_option("--max-pixels", options.max_pixels, "Refuse larger pictures")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str()
+        ->group(ball);
+
+    const std::string camera =
+        "Camera (default: from the file's EXIF or EXR metadata, else orthographic)";
+    command.add_option("--focal-mm", options.focal_mm, "Focal length, mm; goes with --sensor-mm")
+        ->check(CLI::PositiveNumber)
+        ->group(camera);
+    command
+        .add_option("--sensor-mm", options.sensor_mm,
+                    "Width of the sensor that the photo's width shows, mm")
+        ->check(CLI::PositiveNumber)
+        ->group(camera);
+    command.add_option("--hfov", options.hfov, "Horizontal field of view, degrees")
+        ->check(CLI::Range(0.001, 179.999))
+        ->group(camera);
+    command.add_option("--focal-px", options.focal_px, "Focal length, pixels")
+        ->check(CLI::PositiveNumber)
+        ->group(camera);
+    command
+        .add_option("--distance-radii", options.distance_radii,
+                    "Distance from camera to ball, ball radii; the focal length follows")
+        ->check(CLI::Range(1.0, 1e9))
+        ->group(camera);
+    command.add_flag("--orthographic", options.orthographic, "The camera is infinitely far away")
+        ->group(camera);
+    command
+        .add_option("--principal", options.principal,
+                    "Where the optical axis meets the photo (default: its middle)")
+        ->type_name("X,Y")
+        ->group(camera);
+    command
+        .add_option("--camera-axes", options.camera_axes, "Axes of worldToCamera in EXR metadata")
+        ->check(CLI::IsMember({"opengl", "opencv", "renderman"}))
+        ->capture_default_str()
+        ->group(camera);
+}
+
+}  // namespace chromeball

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace chromeball {
+
+/// Of every command.
+struct CommonOptions {
+    bool quiet = false;
+    int threads = 0;  ///< 0: all processors
+};
+
+/// How colours are read.
+struct ColorOptions {
+    std::optional<std::string> ocio;
+    std::optional<std::string> input_space;
+};
+
+/// Where the ball is and which camera took it; texts as typed, taken apart when the job starts.
+struct PhotoOptions {
+    std::optional<std::string> ball;
+    std::optional<std::string> ellipse;
+    bool cropped = false;
+    double threshold = 0.5;
+
+    std::optional<double> focal_mm;
+    std::optional<double> sensor_mm;
+    std::optional<double> hfov;
+    std::optional<double> focal_px;
+    std::optional<double> distance_radii;
+    bool orthographic = false;
+    std::optional<std::string> principal;
+    std::string camera_axes = "opengl";
+
+    std::int64_t max_pixels = 400'000'000;
+};
+
+void add_common_options(CLI::App& command, CommonOptions& options);
+void add_color_options(CLI::App& command, ColorOptions& options);
+void add_photo_options(CLI::App& command, PhotoOptions& options);
+
+/// "a, b, c".
+std::string comma_list(const std::vector<std::string>& names);
+
+}  // namespace chromeball

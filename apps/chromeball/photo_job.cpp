@@ -1,0 +1,212 @@
+#include "photo_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "io/facts.h"
+#include "io/read.h"
+#include "numbers.h"
+#include "resample/source.h"
+
+namespace chromeball {
+namespace {
+
+using std::numbers::pi;
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
+
+Outline circle_from(const std::string& text) {
+    const auto n = parse_numbers("--ball", text, {3}, "CX,CY,R");
+    if (!(n[2] > 0)) refuse(fmt::format("--ball {}: the radius must be above 0", text));
+    return {n[0], n[1], n[2], n[2], 0};
+}
+
+Outline ellipse_from(const std::string& text) {
+    const auto n = parse_numbers("--ellipse", text, {5}, "CX,CY,A,B,DEG");
+    if (!(n[2] > 0 && n[3] > 0))
+        refuse(fmt::format("--ellipse {}: the semi-axes must be above 0", text));
+    Outline e{n[0], n[1], n[2], n[3], n[4]};
+    if (e.a < e.b) {
+        std::swap(e.a, e.b);
+        e.angle += 90;
+    }
+    e.angle = std::fmod(std::fmod(e.angle, 180) + 180, 180);
+    return e;
+}
+
+void check_inside(const Outline& e, const Photo& photo, const std::string& option) {
+    const Window window = needed_window(e, photo.window);
+    if (window.size.width > 0 && window.size.height > 0) return;
+    refuse(fmt::format("{}: {} lies outside the picture, which is {}x{} pixels", photo.name, option,
+                       photo.display.width, photo.display.height));
+}
+
+/// The ball of a photo that was cut out around it.
+FoundBall cropped_ball(const Photo& photo, const PhotoOptions& options) {
+    FoundBall ball;
+    ball.found = true;
+    ball.how = "--cropped";
+    const auto past = provenance_from(photo.metadata);
+    // Its camera describes the whole photo; one given here too.
+    if (past && past->layout == "crop" && past->outline &&
+        photo.display.width == photo.display.height && !options.orthographic) {
+        ball.outline = *past->outline;
+        ball.to_pixels = crop_of(ball.outline, photo.display.width);
+        return ball;
+    }
+    const double rx = 0.5 * photo.display.width, ry = 0.5 * photo.display.height;
+    ball.outline = {rx, ry, std::max(rx, ry), std::min(rx, ry), ry > rx ? 90.0 : 0.0};
+    return ball;
+}
+
+/// A crop remembers the camera of the whole photo; without such a note it is as seen from far away.
+void adopt_camera_of_crop(PhotoJob& job, const PhotoOptions& options) {
+    const auto past = provenance_from(job.photo.metadata);
+    const bool whole_known = past && past->outline && job.ball.outline == *past->outline;
+    if (!whole_known) {
+        if (!job.camera.told) job.camera = {job.camera.camera, "--cropped: orthographic", {}, true};
+        return;
+    }
+    if (!past->camera) return;
+    Camera& camera = job.camera.camera;
+    if (!options.principal) camera.principal = past->camera->principal;
+    if (!job.camera.told && past->camera->focal) {
+        camera.focal = past->camera->focal;
+        job.camera.source = "noted in the crop";
+        job.camera.told = true;
+    }
+}
+
+FoundBall told_ball(const Photo& photo, const PhotoOptions& options) {
+    FoundBall ball;
+    ball.found = true;
+    ball.circle_given = options.ball.has_value();
+    ball.how = options.ball ? "--ball" : "--ellipse";
+    ball.outline = options.ball ? circle_from(*options.ball) : ellipse_from(*options.ellipse);
+    check_inside(ball.outline, photo,
+                 fmt::format("{} {}", ball.how, options.ball ? *options.ball : *options.ellipse));
+    return ball;
+}
+
+FoundBall searched_ball(const Photo& photo, const CameraChoice& camera, const PhotoOptions& options,
+                        const Watch& watch) {
+    DetectOptions search;
+    search.threshold = options.threshold;
+    if (!camera.camera.orthographic()) search.camera = camera.camera;
+    FoundBall ball;
+    ball.how = "found";
+    const auto candidates = find_balls(photo, search, watch);
+    if (candidates.empty()) return ball;
+    ball.candidate = candidates.front();
+    ball.outline = candidates.front().outline;
+    ball.found = candidates.front().confidence >= options.threshold;
+    return ball;
+}
+
+}  // namespace
+
+PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch) {
+    const int ways = options.ball.has_value() + options.ellipse.has_value() + options.cropped;
+    if (ways > 1) refuse("more than one of --ball, --ellipse and --cropped; give one");
+
+    PhotoJob job;
+    ReadOptions read{options.max_pixels, std::nullopt};
+    const bool told = options.ball || options.ellipse;
+    if (told) {
+        const Photo header = read_header(path, read);
+        const FoundBall ball = told_ball(header, options);
+        const Window rows = needed_window(ball.outline, header.window);
+        read.rows = std::pair(rows.y, rows.y + rows.size.height);
+    }
+    job.photo = read_photo(path, read);
+    watch.check();
+    job.camera = choose_camera(options, job.photo);
+    if (told) {
+        job.ball = told_ball(job.photo, options);
+    } else if (options.cropped) {
+        job.ball = cropped_ball(job.photo, options);
+        adopt_camera_of_crop(job, options);
+    } else {
+        job.ball = searched_ball(job.photo, job.camera, options, watch);
+    }
+    if (!job.camera.told && job.ball.found)
+        job.warnings.push_back(
+            fmt::format("{}: the focal length is not known, the camera is taken as infinitely far "
+                        "away; directions may be "
+                        "off by degrees: give --focal-mm and --sensor-mm, --hfov, --focal-px or "
+                        "--distance-radii",
+                        path));
+    return job;
+}
+
+Error no_ball(const PhotoJob& job, double threshold) {
+    const std::string best = job.ball.candidate
+                                 ? fmt::format("best candidate scores {:.2f}, {:.2f} is needed",
+                                               job.ball.candidate->confidence, threshold)
+                                 : std::string("nothing round was seen");
+    return {Error::Kind::no_ball,
+            fmt::format("{}: no mirror ball found ({}); give it with --ball CX,CY,R or --cropped",
+                        job.photo.name, best)};
+}
+
+double lens_blur(const Candidate& candidate) {
+    // A sharp edge seen by square pixels has a blur of about half a pixel.
+    constexpr double kPixel = 0.5;
+    return std::sqrt(std::max(0.0, candidate.rim_blur * candidate.rim_blur - kPixel * kPixel));
+}
+
+MirrorBall projection_of(PhotoJob& job) {
+    const Outline& outline = job.ball.outline;
+    if (job.camera.distance) {
+        job.camera.camera.focal =
+            focal_from_distance(outline, job.camera.camera.principal, *job.camera.distance);
+        if (!job.camera.camera.focal)
+            refuse(
+                fmt::format("--distance-radii {}: no focal length makes this outline that of a "
+                            "ball so far away",
+                            *job.camera.distance));
+    }
+    if (job.camera.camera.orthographic()) return MirrorBall(outline);
+
+    const Cone cone = cone_of(outline, job.camera.camera);
+    const auto seen = outline_of(cone, job.camera.camera);
+    if (!(cone.half_angle > 0 && cone.half_angle < 0.5 * pi * 0.999) || !seen)
+        refuse(
+            fmt::format("{}: the outline cannot be that of a ball seen with a focal length of "
+                        "{:.1f} pixels; check "
+                        "the focal length, or give --orthographic",
+                        job.photo.name, *job.camera.camera.focal));
+    const double off = rim_deviation(outline, *seen);
+    if (off > 1)
+        job.warnings.push_back(
+            job.ball.circle_given
+                ? fmt::format(
+                      "{}: seen off the optical axis the ball is an ellipse; the circle given is "
+                      "up to {:.1f} pixels "
+                      "off it. The best fit is used: --ellipse {:.2f},{:.2f},{:.2f},{:.2f},{:.2f}",
+                      job.photo.name, off, seen->cx, seen->cy, seen->a, seen->b, seen->angle)
+                : fmt::format("{}: the outline is up to {:.1f} pixels off what a ball looks like "
+                              "through this camera "
+                              "({}); check the focal length and whether the photo is cropped",
+                              job.photo.name, off, job.camera.source));
+    return MirrorBall(job.camera.camera, cone);
+}
+
+std::string description(const PhotoJob& job, const MirrorBall& ball) {
+    const Outline& e = ball.outline();
+    std::string line = fmt::format("{}: ball {}", job.photo.name, job.ball.how);
+    if (job.ball.candidate)
+        line += fmt::format(" with confidence {:.2f}", job.ball.candidate->confidence);
+    line += fmt::format(", --ellipse {:.2f},{:.2f},{:.2f},{:.2f},{:.2f}", e.cx, e.cy, e.a, e.b,
+                        e.angle);
+    if (ball.orthographic()) return line + ", orthographic";
+    return line +
+           fmt::format("; --focal-px {:.2f} ({}), {:.2f} radii away, hidden cone {:.2f} degrees",
+                       *job.camera.camera.focal, job.camera.source, ball.distance(),
+                       ball.hidden_half_angle() * 180 / pi);
+}
+
+}  // namespace chromeball

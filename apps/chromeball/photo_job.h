@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_choice.h"
+#include "color/color.h"
+#include "console.h"
+#include "core/photo.h"
+#include "detect/detect.h"
+#include "map/affine.h"
+#include "map/mirror_ball.h"
+#include "options.h"
+
+namespace chromeball {
+
+/// Where the ball of a photo is, as found or told.
+struct FoundBall {
+    bool found = false;
+    Outline outline;  ///< pixels of the photo that was taken (not of a crop of it)
+    std::optional<Candidate> candidate;  ///< when searched: the best one, found or not
+    Affine to_pixels;                    ///< from those pixels to the photo's display window
+    std::string how;                     ///< "found", "--ball", "--ellipse", "--cropped"
+    bool circle_given = false;
+};
+
+/// A photo read as far as it is needed, its ball and its camera.
+struct PhotoJob {
+    Photo photo;
+    FoundBall ball;
+    CameraChoice camera;
+    std::vector<std::string> warnings;
+};
+
+/// Reads a photo (only the ball's rows when the ball is told) and finds its ball. A ball that is
+/// not found is an answer: job.ball.found. Throws Error for bad files and contradicting options.
+PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch);
+
+/// The error for a photo whose ball was not found: status 4, with the way out.
+Error no_ball(const PhotoJob& job, double threshold);
+
+/// How much the lens blurs the rim, pixels, beyond what pixels themselves do.
+double lens_blur(const Candidate& candidate);
+
+/// The ball as a projection of the photo's pixels. Sets the focal length in job.camera when it
+/// follows from --distance-radii; adds warnings when the outline and the camera do not fit.
+MirrorBall projection_of(PhotoJob& job);
+
+/// One line on the ball and camera, with the words to ask for the same again.
+std::string description(const PhotoJob& job, const MirrorBall& ball);
+
+}  // namespace chromeball

@@ -1,0 +1,88 @@
+#include "report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <numbers>
+
+namespace chromeball {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Three decimals of a pixel are more than anyone measures; directions get six.
+double rounded(double value, double steps) { return std::round(value * steps) / steps; }
+double pixels(double value) { return rounded(value, 1e4); }
+
+Json json_of(const Outline& e) {
+    return {{"cx", pixels(e.cx)},
+            {"cy", pixels(e.cy)},
+            {"a", pixels(e.a)},
+            {"b", pixels(e.b)},
+            {"angle", pixels(e.angle)}};
+}
+
+Json json_of(const DetectReport& r) {
+    Json j{{"photo", r.photo},
+           {"width", r.size.width},
+           {"height", r.size.height},
+           {"found", r.found},
+           {"confidence", rounded(r.confidence, 1e4)}};
+    if (!r.found) {
+        j["reason"] = r.reason;
+        j["warnings"] = r.warnings;
+        return j;
+    }
+    const Camera& camera = r.camera.camera;
+    const auto or_null = [](const std::optional<double>& value) {
+        return value ? Json(rounded(*value, 1e4)) : Json(nullptr);
+    };
+    j["outline"] = json_of(r.outline);
+    j["camera"] = {{"focal_px", or_null(camera.focal)},
+                   {"principal", {pixels(camera.principal.x), pixels(camera.principal.y)}},
+                   {"source", r.camera.source}};
+    const V3d& d = r.center_direction;
+    j["ball"] = {{"distance_radii", or_null(r.distance)},
+                 {"center_direction", {rounded(d.x, 1e8), rounded(d.y, 1e8), rounded(d.z, 1e8)}},
+                 {"hidden_half_angle_degrees", rounded(r.hidden_half_angle_degrees, 1e4)}};
+    j["visible_rim"] = rounded(r.visible_rim, 1e4);
+    j["warnings"] = r.warnings;
+    return j;
+}
+
+/// File names may hold anything; what is no UTF-8 is replaced rather than thrown at.
+std::string text_of(const Json& j, int indent) {
+    return j.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string to_json(const std::vector<DetectReport>& reports, bool lines) {
+    if (lines) {
+        std::string text;
+        for (const DetectReport& report : reports) text += text_of(json_of(report), -1) + '\n';
+        return text;
+    }
+    if (reports.size() == 1) return text_of(json_of(reports.front()), 2) + '\n';
+    Json all = Json::array();
+    for (const DetectReport& report : reports) all.push_back(json_of(report));
+    return text_of(all, 2) + '\n';
+}
+
+std::string to_json(const InfoReport& r) {
+    Json j{{"file", r.file},         {"width", r.size.width}, {"height", r.size.height},
+           {"channels", r.channels}, {"type", r.type},        {"color_space", r.color_space}};
+    j["layout"] = r.layout.empty() ? Json(nullptr) : Json(r.layout);
+    j["layout_sureness"] = r.layout_sureness;
+    j["range_stops"] = r.range_stops ? Json(*r.range_stops) : Json(nullptr);
+    j["maximum"] = r.maximum;
+    j[r.over_sphere ? "mean_radiance" : "mean_pixel"] = r.mean_radiance;
+    j["covered_steradians"] = r.covered_steradians ? Json(*r.covered_steradians) : Json(nullptr);
+    j["covered"] =
+        r.covered_steradians ? Json(*r.covered_steradians / (4 * std::numbers::pi)) : Json(nullptr);
+    j["bad_pixels"] = r.bad_pixels;
+    j["provenance"] = r.provenance ? Json::parse(*r.provenance, nullptr, false) : Json(nullptr);
+    j["notes"] = r.notes;
+    return text_of(j, 2) + '\n';
+}
+
+}  // namespace chromeball

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "photo_job.h"
+
+namespace chromeball {
+
+/// What became of one photo of `detect`.
+struct DetectReport {
+    std::string photo;
+    bool readable = true;
+    bool found = false;
+    std::string reason;  ///< why nothing was found, or read
+    Size size;
+    double confidence = 0;
+    double visible_rim = 0;
+    Outline outline;
+    CameraChoice camera;
+    V3d center_direction{0, 0, -1};
+    std::optional<double> distance;
+    double hidden_half_angle_degrees = 0;
+    std::vector<std::string> warnings;
+};
+
+/// The contract's JSON: one object for one photo, an array for several, or an object a line.
+std::string to_json(const std::vector<DetectReport>& reports, bool lines);
+
+/// What `info` tells, in its order.
+struct InfoReport {
+    std::string file;
+    Size size;
+    int channels = 0;
+    std::string type;
+    std::string color_space;
+    std::string layout;  ///< empty: none that is known
+    std::string layout_sureness;
+    std::optional<double> range_stops;
+    std::array<double, 3> mean_radiance{};
+    bool over_sphere = false;  ///< whether the mean is weighted by solid angle
+    double maximum = 0;
+    std::optional<double> covered_steradians;
+    std::size_t bad_pixels = 0;
+    std::optional<std::string> provenance;  ///< JSON text
+    std::vector<std::string> notes;
+};
+
+std::string to_json(const InfoReport& report);
+
+}  // namespace chromeball
