@@ -93,7 +93,9 @@ private:
         const RimPoint here = rim_point_at(at);
         if (here.depth > source_.rim_band) return std::nullopt;
         const double depth = std::max(here.depth, source_.rim_depth);
-        const int x0 = static_cast<int>(at.x), y0 = static_cast<int>(at.y);
+        // Around where pixels begin to be usable, which may be deeper.
+        const V2d nearest = at - here.outward * (depth - here.depth);
+        const int x0 = static_cast<int>(nearest.x), y0 = static_cast<int>(nearest.y);
         Rgbw sum;
         for (int y = std::max(0, y0 - kReach); y <= std::min(pixels_.size.height - 1, y0 + kReach);
              ++y)
