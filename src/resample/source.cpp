@@ -199,10 +199,8 @@ Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to
     source.to_pixels.y0 += source.border;
     source.ball = transformed(ball.outline(), source.to_pixels);
     drop_impure(source.pixels, *source.ball, rim_blur);
-    source.rim_depth = 0.5 + kBlurInset * rim_blur;  // half a pixel, where the rim runs along rows
-    source.rim_band = source.rim_depth + std::min(3.5, 0.1 * source.ball->b);
-    source.turn_cos = std::cos(source.ball->angle * pi / 180);
-    source.turn_sin = std::sin(source.ball->angle * pi / 180);
+    // Half a pixel, where the rim runs along rows, is the least at which a pixel is purely ball.
+    source.rim = RimStrip(source.pixels, *source.ball, 0.5 + kBlurInset * rim_blur);
     source.left = source.top = source.border;
     source.right = source.border + pixels.width();
     source.bottom = source.border + pixels.height();

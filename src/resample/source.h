@@ -6,20 +6,10 @@
 #include "map/affine.h"
 #include "map/layouts.h"
 #include "map/projections.h"
+#include "resample/rgbw.h"
+#include "resample/rim_strip.h"
 
 namespace chromeball {
-
-/// Red, green, blue, and a weight that colour is multiplied by.
-struct Rgbw {
-    float r = 0, g = 0, b = 0, w = 0;
-
-    void add(float weight, const float* pixel) {
-        r += weight * pixel[0];
-        g += weight * pixel[1];
-        b += weight * pixel[2];
-        w += weight * pixel[3];
-    }
-};
 
 /// A picture that light is taken from, prepared so that a bilinear tap needs no conditions: four
 /// channels (colour multiplied by a weight, and the weight: alpha, 0 where a pixel must not be
@@ -38,10 +28,7 @@ struct Source {
     std::optional<Outline> ball;
     /// Of a ball: the part of `pixels` that the photo really has.
     double left = 0, top = 0, right = 0, bottom = 0;
-    /// Of a ball: the smallest depth inside the outline, in pixels, at which pixels are usable.
-    double rim_depth = 0;
-    double rim_band = 0;                ///< down to which depth the rim has taps of its own
-    double turn_cos = 1, turn_sin = 0;  ///< of the outline's angle
+    RimStrip rim;  ///< of a ball: what its rim shows
 
     /// Steradians per pixel in the mean, over what the picture shows.
     double mean_solid_angle = 0;
