@@ -24,13 +24,15 @@ void for_each_band(int rows, int grain, const std::function<void(int, int)>& wor
 }
 
 struct ThreadLimit::State {
+    // Made in its place: a global_control can be copied, but the limit goes with the original.
+    explicit State(int threads)
+        : control(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)) {
+    }
     tbb::global_control control;
 };
 
 ThreadLimit::ThreadLimit(int threads) {
-    if (threads > 0)
-        state_ = std::make_unique<State>(State{tbb::global_control(
-            tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads))});
+    if (threads > 0) state_ = std::make_unique<State>(threads);
 }
 
 ThreadLimit::~ThreadLimit() = default;
