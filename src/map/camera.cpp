@@ -3,9 +3,12 @@
 #include <Imath/ImathMatrix.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <utility>
 
 namespace chromeball {
 namespace {
@@ -32,24 +35,80 @@ struct RimRay {
 
 RimRay rim_ray(V2d p, const Camera& camera, const Frame& frame) {
     const double f = *camera.focal;
-    const V3d q((p.x - camera.principal.x) / f, (camera.principal.y - p.y) / f, -1);
-    const double depth = q.dot(frame.axis);
-    RimRay ray{};
-    ray.x = q.dot(frame.e1) / depth;
-    ray.y = q.dot(frame.e2) / depth;
-    const double square = ray.x * ray.x + ray.y * ray.y;
-    ray.excess = square / (1 + std::sqrt(1 + square));
-    // dq/dx = (1/f, 0, 0), dq/dy = (0, -1/f, 0)
-    const double scale = 1 / (f * depth);
-    ray.dx = V2d(frame.e1.x - ray.x * frame.axis.x, -(frame.e1.y - ray.x * frame.axis.y)) * scale;
-    ray.dy = V2d(frame.e2.x - ray.y * frame.axis.x, -(frame.e2.y - ray.y * frame.axis.y)) * scale;
-    return ray;
+    const Vec2<Dual> seen((with_derivatives(p).x - Dual(camera.principal.x)) * Dual(1 / f),
+                          (with_derivatives(p).y - Dual(camera.principal.y)) * Dual(1 / f));
+    const Vec2<Dual> pinhole = camera.distortion.undistorted(seen);
+    const Vec3<Dual> q(pinhole.x, -pinhole.y, Dual(-1));
+    const Dual depth = along(q, frame.axis);
+    const Dual x = along(q, frame.e1) / depth, y = along(q, frame.e2) / depth;
+    const double square = x.value * x.value + y.value * y.value;
+    return {x.value, y.value, square / (1 + std::sqrt(1 + square)), V2d(x.du, x.dv),
+            V2d(y.du, y.dv)};
 }
 
 V3d ray_through(V2d p, const Camera& camera) {
-    return V3d((p.x - camera.principal.x) / *camera.focal,
-               (camera.principal.y - p.y) / *camera.focal, -1)
-        .normalized();
+    const V2d pinhole = camera.distortion.undistorted((p - camera.principal) / *camera.focal);
+    return V3d(pinhole.x, -pinhole.y, -1).normalized();
+}
+
+/// Solves a small system in place by elimination with row exchange; the right side becomes the
+/// answer.
+template <std::size_t N>
+void solve(std::array<std::array<double, N>, N>& m, std::array<double, N>& right) {
+    for (std::size_t i = 0; i < N; ++i) {
+        std::size_t pivot = i;
+        for (std::size_t j = i + 1; j < N; ++j)
+            if (std::abs(m[j][i]) > std::abs(m[pivot][i])) pivot = j;
+        std::swap(m[i], m[pivot]);
+        std::swap(right[i], right[pivot]);
+        for (std::size_t j = 0; j < N; ++j) {
+            if (j == i) continue;
+            const double factor = m[j][i] / m[i][i];
+            for (std::size_t k = i; k < N; ++k) m[j][k] -= factor * m[i][k];
+            right[j] -= factor * right[i];
+        }
+    }
+    for (std::size_t i = 0; i < N; ++i) right[i] /= m[i][i];
+}
+
+/// The ellipse A x^2 + B x y + C y^2 + D x + E y = 1 nearest to points around it, by least squares;
+/// near is an ellipse close to it, whose middle and size make the system well conditioned.
+Outline ellipse_through(std::span<const V2d> points, const Outline& near) {
+    std::array<std::array<double, 5>, 5> normal{};
+    std::array<double, 5> conic{};
+    for (const V2d& p : points) {
+        const double x = (p.x - near.cx) / near.a, y = (p.y - near.cy) / near.a;
+        const double row[5] = {x * x, x * y, y * y, x, y};
+        for (std::size_t i = 0; i < 5; ++i) {
+            for (std::size_t j = 0; j < 5; ++j) normal[i][j] += row[i] * row[j];
+            conic[i] += row[i];
+        }
+    }
+    solve(normal, conic);
+    const auto [A, B, C, D, E] = conic;
+    // The middle is where the gradient vanishes; about it the conic is A x^2 + B x y + C y^2 =
+    // level.
+    const double det = 4 * A * C - B * B;
+    const double x0 = (B * E - 2 * C * D) / det, y0 = (B * D - 2 * A * E) / det;
+    const double level = 1 + A * x0 * x0 + B * x0 * y0 + C * y0 * y0;
+    const double mean = 0.5 * (A + C), spread = std::hypot(0.5 * (A - C), 0.5 * B);
+    // The smaller eigenvalue belongs to the long axis.
+    const double angle = 0.5 * std::atan2(B, A - C) * 180 / pi + 90;
+    return {near.cx + near.a * x0, near.cy + near.a * y0,
+            near.a * std::sqrt(level / (mean - spread)),
+            near.a * std::sqrt(level / (mean + spread)), std::fmod(angle + 360, 180)};
+}
+
+/// What a lens makes of the outline that a pinhole would see: nearly an ellipse again.
+Outline seen_through_lens(const Outline& pinhole, const Camera& camera) {
+    std::array<V2d, 72> points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const V2d p = rim_point(pinhole, 2 * pi * static_cast<double>(i) / points.size());
+        points[i] =
+            camera.distortion.distorted((p - camera.principal) / *camera.focal) * *camera.focal +
+            camera.principal;
+    }
+    return ellipse_through(points, pinhole);
 }
 
 }  // namespace
@@ -87,7 +146,7 @@ std::optional<Outline> outline_of(const Cone& cone, const Camera& camera) {
     outline.b = *camera.focal * sin_rho / std::sqrt(den);
     outline.a = std::max(outline.a, outline.b);  // equal on the axis, up to rounding
     outline.angle = std::fmod(away * 180 / pi + 360, 180);
-    return outline;
+    return camera.distortion.none() ? outline : seen_through_lens(outline, camera);
 }
 
 Cone cone_of(const Outline& outline, const Camera& camera) {
@@ -133,15 +192,19 @@ Cone cone_of(const Outline& outline, const Camera& camera) {
 std::optional<double> focal_from_distance(const Outline& outline, V2d principal, double distance) {
     if (!(distance > 1)) return std::nullopt;
     const auto miss = [&](double log_focal) {
-        const Camera camera{std::exp(log_focal), principal};
+        const Camera camera{std::exp(log_focal), principal, {}};
         return cone_of(outline, camera).half_angle - std::asin(1 / distance);
     };
-    // The half-angle falls as the focal length grows: bisect, from where a ball on the axis would
-    // be.
+    // The half-angle falls as the focal length grows, except for one so short that the outline is
+    // seen askew: look down from well above where a ball on the axis would be, then bisect.
+    constexpr double kStep = 0.25;
     const double start =
         std::log(std::sqrt(outline.a * outline.b) * std::sqrt(distance * distance - 1));
-    double low = start - 3, high = start + 3;
-    if (!(miss(low) > 0) || !(miss(high) < 0)) return std::nullopt;
+    double high = start + 3;
+    if (!(miss(high) < 0)) return std::nullopt;
+    while (high > start - 3 && miss(high - kStep) < 0) high -= kStep;
+    double low = high - kStep;
+    if (!(miss(low) >= 0)) return std::nullopt;
     for (int step = 0; step < 60; ++step) {
         const double middle = 0.5 * (low + high);
         (miss(middle) > 0 ? low : high) = middle;

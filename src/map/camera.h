@@ -6,6 +6,7 @@
 
 #include "core/image.h"
 #include "core/outline.h"
+#include "map/distortion.h"
 
 namespace chromeball {
 
@@ -21,6 +22,7 @@ using Imath::V3d;
 struct Camera {
     std::optional<double> focal;  ///< focal length in pixels; none: orthographic
     V2d principal{0, 0};  ///< where the optical axis meets the photo, pixels of the display window
+    Distortion distortion{};  ///< of the lens; goes with a focal length
 
     bool orthographic() const { return !focal; }
 };
@@ -44,7 +46,8 @@ double focal_from_hfov(double hfov_degrees, int picture_width);
 
 /// The ellipse in which a cone is seen: with focal length 1, psi the axis' angle off the optical
 /// axis and rho the half-angle, den = cos^2 psi - sin^2 rho, the semi-axes are sin rho cos rho /
-/// den (radial) and sin rho / sqrt(den), the centre lies sin psi cos psi / den off. Nothing where
+/// den (radial) and sin rho / sqrt(den), the centre lies sin psi cos psi / den off. A lens
+/// with distortion makes of it nearly an ellipse again: the nearest one is given. Nothing where
 /// the ball reaches the camera's plane (den <= 0) or lies behind it.
 std::optional<Outline> outline_of(const Cone& cone, const Camera& camera);
 

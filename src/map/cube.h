@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "map/projection.h"
@@ -94,8 +95,8 @@ public:
         const int face = face_of({value_of(d.x), value_of(d.y), value_of(d.z)});
         const Face& f = layout_->faces[static_cast<std::size_t>(face)];
         const Vec2<T> ab = coordinates_on(face, d);
-        return Vec2<T>((T(f.column) + T(0.5) * (ab.x + T(1.0))) / T(layout_->columns),
-                       (T(f.row) + T(0.5) * (ab.y + T(1.0))) / T(layout_->rows));
+        return Vec2<T>((T(f.column) + T(0.5) * (inside(ab.x) + T(1.0))) / T(layout_->columns),
+                       (T(f.row) + T(0.5) * (inside(ab.y) + T(1.0))) / T(layout_->rows));
     }
 
     double solid_angle(V2d position) const {
@@ -112,6 +113,15 @@ public:
     bool curved(V3d) const { return false; }
 
 private:
+    /// A coordinate on a face, kept off its border by a hair: that of the cell's right and lower
+    /// side belongs to the next cell, which may show something else or nothing.
+    template <class T>
+    static T inside(const T& a) {
+        constexpr double kInside = 1 - 1e-14;
+        const double beyond = value_of(a) - std::clamp(value_of(a), -kInside, kInside);
+        return a - T(beyond);
+    }
+
     const CubeLayout* layout_;
     std::array<V3d, 6> forward_;
     std::array<signed char, 16> cells_{};

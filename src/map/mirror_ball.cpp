@@ -31,9 +31,10 @@ MirrorBall::MirrorBall(const Camera& camera, const Cone& cone)
       axis_(cone.axis),
       distance_(cone.distance()),
       half_angle_(cone.half_angle),
-      curved_cosine_(std::min(curved_cosine_, std::cos(cone.half_angle + 0.2))),  // 0.2: 11 degrees
+      curved_cosine_(std::min(kCos30, std::cos(cone.half_angle + 0.2))),  // 0.2: 11 degrees
       focal_(camera.focal.value()),
-      principal_(camera.principal) {
+      principal_(camera.principal),
+      distortion_(camera.distortion) {
     assert(outline_.b > 0);
 }
 

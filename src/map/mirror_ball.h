@@ -81,8 +81,10 @@ private:
     template <class T>
     std::optional<Vec3<T>> near_direction(const Vec2<T>& position) const {
         using std::sqrt;
-        const Vec3<T> q = unit(Vec3<T>((position.x - T(principal_.x)) * T(1 / focal_),
-                                       (T(principal_.y) - position.y) * T(1 / focal_), T(-1.0)));
+        const Vec2<T> p =
+            distortion_.undistorted(Vec2<T>((position.x - T(principal_.x)) * T(1 / focal_),
+                                            (position.y - T(principal_.y)) * T(1 / focal_)));
+        const Vec3<T> q = unit(Vec3<T>(p.x, -p.y, T(-1.0)));
         const T cosine = along(q, axis_);
         // The ray passes the centre at D sin(alpha); as a cross product it keeps its digits.
         const Vec3<T> c = constant<T>(axis_);
@@ -117,8 +119,8 @@ private:
         const Vec3<T> q(T(axis_.x) + ratio * across.x, T(axis_.y) + ratio * across.y,
                         T(axis_.z) + ratio * across.z);
         if (value_of(q.z) >= 0) return std::nullopt;
-        return Vec2<T>(T(principal_.x) - T(focal_) * q.x / q.z,
-                       T(principal_.y) + T(focal_) * q.y / q.z);
+        const Vec2<T> p = distortion_.distorted(Vec2<T>(-q.x / q.z, q.y / q.z));
+        return Vec2<T>(T(principal_.x) + T(focal_) * p.x, T(principal_.y) + T(focal_) * p.y);
     }
 
     /// The angle f between the normal and the line to the camera where the reflection makes theta
@@ -138,9 +140,11 @@ private:
     V3d axis_{0, 0, -1};
     double distance_ = 0;
     double half_angle_ = 0;
-    double curved_cosine_ = 0.8660254037844386;  // cos 30 degrees
+    static constexpr double kCos30 = 0.8660254037844386;
+    double curved_cosine_ = kCos30;
     double focal_ = 0;
     V2d principal_{0, 0};
+    Distortion distortion_;
 };
 
 }  // namespace chromeball
