@@ -130,6 +130,23 @@ void for_each_pixel(Image& out, const Watch& watch, const Draw& draw) {
         watch);
 }
 
+/// A ball in a part of a photo, as a target: that part is the unit square.
+class BallInRegion {
+public:
+    BallInRegion(const MirrorBall& ball, const Window& region) : ball_(ball), region_(region) {}
+
+    template <class T>
+    std::optional<Vec3<T>> to_direction(const Vec2<T>& p) const {
+        return ball_.to_direction(Vec2<T>(p.x * T(region_.size.width) + T(region_.x),
+                                          p.y * T(region_.size.height) + T(region_.y)));
+    }
+    bool curved(V3d d) const { return ball_.curved(d); }
+
+private:
+    const MirrorBall& ball_;
+    Window region_;
+};
+
 // Catmull-Rom: keeps a crop about as sharp as the photo. Over- and undershoots are clamped by the
 // caller to the range of the taps.
 void cubic_weights(double t, double (&w)[4]) {
@@ -181,6 +198,20 @@ Image resample(const Source& source, const Layout& layout, int size, const Resam
                 for_each_pixel(out, watch, [&](int x, int y) { return pass.adaptive(x, y); });
         },
         layout.projection, source.projection);
+    return out;
+}
+
+Image render_ball(const Source& map, const MirrorBall& ball, const Window& region,
+                  const Rotation& rotation, const Watch& watch) {
+    Image out(region.size, 4);
+    const BallInRegion target(ball, region);
+    std::visit(
+        [&]<class P>(const P&) {
+            const Lookup<P> lookup(map);
+            const Pass<BallInRegion, P> pass(target, out.size(), rotation, lookup);
+            for_each_pixel(out, watch, [&](int x, int y) { return pass.adaptive(x, y); });
+        },
+        map.projection);
     return out;
 }
 

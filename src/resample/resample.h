@@ -34,6 +34,15 @@ struct ResampleOptions {
 Image resample(const Source& source, const Layout& layout, int size,
                const ResampleOptions& options = {}, const Watch& watch = {});
 
+/// The ball of a photo painted again, lit by a map: RGBA, of region.size, alpha 0 where there is no
+/// ball.
+///
+/// map         made by map_source
+/// ball        in the photo's pixels; region is the part of them to paint
+/// rotation    takes directions of the camera's frame to those of the map's
+Image render_ball(const Source& map, const MirrorBall& ball, const Window& region,
+                  const Rotation& rotation = {}, const Watch& watch = {});
+
 /// The power of two from 64 to 4096 for which the layout's pixels have, in the mean, the solid
 /// angle nearest to the source's.
 int natural_size(const Source& source, const Layout& layout);

@@ -158,11 +158,15 @@ Image prepared_angular(const Image& pixels, int border) {
             const double px = x - border + 0.5, py = y - border + 0.5;
             if (inside(px, py)) continue;
             const double dx = 2 * px / size - 1, dy = 2 * py / size - 1, r = std::hypot(dx, dy);
-            // Radius r beyond 1 is radius 2 - r on the other side; a cut pixel (r < 1) is drawn in.
-            const double safe = 1 - 2.5 / size;
+            // Radius r beyond 1 is radius 2 - r on the other side; a cut pixel (r < 1) is drawn in:
+            // to 1.45 pixels from the edge, where the nearest pixel's middle is 0.7 off at most and
+            // the pixel itself another 0.7.
+            const double safe = 1 - 2.9 / size;
             const double to = r > 1 ? -std::min(2 - r, safe) : std::min(r, safe);
-            sample(pixels, V2d(0.5 * size * (1 + dx / r * to), 0.5 * size * (1 + dy / r * to)),
-                   out.pixel(x, y));
+            const auto nearest = [&](double along) {
+                return std::clamp(static_cast<int>(0.5 * size * (1 + along / r * to)), 0, size - 1);
+            };
+            copy_pixel(pixels, nearest(dx), nearest(dy), out.pixel(x, y));
         }
     return out;
 }
