@@ -18,7 +18,7 @@ std::optional<double> positive(const Metadata& metadata,
 }
 
 CameraFacts pinhole(double focal, Size display, std::string source) {
-    return {{focal, {0.5 * display.width, 0.5 * display.height}}, std::move(source)};
+    return {{focal, {0.5 * display.width, 0.5 * display.height}, {}}, std::move(source)};
 }
 
 /// How the picture at hand relates to the one the camera wrote.
@@ -100,6 +100,19 @@ std::optional<double> focal_mm(const Metadata& metadata) {
                                "cameraFocalLength"});
 }
 
+/// EXIF's focal length on the sensor that such cameras have.
+std::optional<CameraFacts> from_table(const Metadata& metadata, Size display,
+                                      const std::vector<Sensor>& sensors) {
+    const auto focal = positive(metadata, {"Exif:FocalLength"});
+    const auto make = metadata.text("Make"), model = metadata.text("Model");
+    if (!focal || !make || !model) return std::nullopt;
+    const Sensor* sensor = find_sensor(sensors, *make, *model);
+    if (!sensor) return std::nullopt;
+    const int long_side = std::max(display.width, display.height);
+    return pinhole(focal_from_sensor(*focal, sensor->width_mm, long_side), display,
+                   "exif: focal length; sensor of the " + *model);
+}
+
 std::optional<CameraFacts> from_sensor(const Metadata& metadata, Size display) {
     const auto focal = focal_mm(metadata);
     if (!focal) return std::nullopt;
@@ -128,7 +141,15 @@ std::optional<CameraFacts> from_provenance(const Provenance& provenance) {
 
 }  // namespace
 
-std::optional<CameraFacts> camera_from_metadata(const Metadata& metadata, Size display) {
+bool cropped_since(const Metadata& metadata, Size display) {
+    const bool told =
+        positive(metadata, {"Exif:FocalLengthIn35mmFilm", "Exif:FocalLength"}).has_value();
+    return told && display.width > 0 && display.height > 0 && !provenance_from(metadata) &&
+           scale_since_capture(metadata, display).cropped;
+}
+
+std::optional<CameraFacts> camera_from_metadata(const Metadata& metadata, Size display,
+                                                const std::vector<Sensor>& sensors) {
     if (display.width <= 0 || display.height <= 0) return std::nullopt;
     if (const auto provenance = provenance_from(metadata)) {
         // A map or a cropped ball is no picture of the camera in its camera's frame.
@@ -140,7 +161,8 @@ std::optional<CameraFacts> camera_from_metadata(const Metadata& metadata, Size d
         if (auto facts = from_35mm_equivalent(metadata, display)) return facts;
         if (auto facts = from_focal_plane(metadata, display, scale)) return facts;
     }
-    return from_sensor(metadata, display);
+    if (auto facts = from_sensor(metadata, display)) return facts;
+    return scale.cropped ? std::nullopt : from_table(metadata, display, sensors);
 }
 
 }  // namespace chromeball

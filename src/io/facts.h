@@ -7,6 +7,7 @@
 
 #include "core/metadata.h"
 #include "core/outline.h"
+#include "io/sensors.h"
 #include "map/camera.h"
 
 namespace chromeball {
@@ -19,13 +20,19 @@ struct CameraFacts {
 };
 
 /// Focal length in pixels of the upright picture from EXIF (35 mm equivalent; or focal length with
-/// focal-plane resolution; or focal length with a sensor width) or EXR metadata; principal point in
-/// the middle of the display window. Nothing where the file does not tell, where EXIF's
-/// picture was cropped since (its shape is another, or no camera's: neither scale nor centre are
-/// known), and of
-/// maps and cropped balls, whose provenance_from holds the source's camera. `display` is the
+/// focal-plane resolution; or focal length with a sensor's width, the file's or from `sensors` by
+/// the camera's make and model) or EXR metadata; principal point in the middle of the display
+/// window.
+///
+/// Nothing where the file does not tell, where the picture was cropped since (see cropped_since),
+/// and of maps and cropped balls, whose provenance_from holds the source's camera. `display` is the
 /// upright display window's size.
-std::optional<CameraFacts> camera_from_metadata(const Metadata& metadata, Size display);
+std::optional<CameraFacts> camera_from_metadata(const Metadata& metadata, Size display,
+                                                const std::vector<Sensor>& sensors = {});
+
+/// Whether EXIF tells a lens, but of another picture than this one: its shape is another, or none
+/// that cameras make, so that neither scale nor centre are known.
+bool cropped_since(const Metadata& metadata, Size display);
 
 /// How an image came about, kept in its file as one attribute (JSON text) that chromeball reads
 /// again.

@@ -27,6 +27,8 @@ Json to_json(const Camera& camera) {
     Json json = Json::object();
     if (camera.focal) json["focal_px"] = *camera.focal;
     json["principal"] = {camera.principal.x, camera.principal.y};
+    if (const Distortion& lens = camera.distortion; !lens.none())
+        json["distortion"] = {lens.k1, lens.k2, lens.k3};
     return json;
 }
 
@@ -40,6 +42,10 @@ Camera camera_from(const Json& json) {
     if (json.contains("focal_px")) camera.focal = json.at("focal_px").get<double>();
     camera.principal = {json.at("principal").at(0).get<double>(),
                         json.at("principal").at(1).get<double>()};
+    if (json.contains("distortion")) {
+        const auto k = json.at("distortion").get<std::array<double, 3>>();
+        camera.distortion = {k[0], k[1], k[2]};
+    }
     if (camera.focal && !(*camera.focal > 0)) throw std::domain_error("focal length");
     return camera;
 }

@@ -124,6 +124,8 @@ void check_target(const std::string& path) {
     if (::stat(folder.c_str(), &status) != 0 && errno == ENOENT)
         throw failure(
             path, fmt::format("cannot be written: there is no folder {}; make it first", folder));
+    if (::stat(folder.c_str(), &status) == 0 && !S_ISDIR(status.st_mode))
+        throw failure(path, fmt::format("cannot be written: {} is a file, not a folder", folder));
     if (::access(folder.c_str(), W_OK | X_OK) != 0) throw write_failure(path, errno);
 }
 
