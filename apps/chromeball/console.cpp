@@ -16,20 +16,21 @@ void draw_bar(const std::string& what, double done) {
     constexpr int kWidth = 40;
     const int filled = static_cast<int>(done * kWidth);
     if (done >= 1)
-        fmt::print(stderr, "\r\033[K");
+        print_message("\r\033[K");
     else
-        fmt::print(stderr, "\r\033[K{} [{:=<{}}{: <{}}] {:3.0f} %", what, "", filled, "",
-                   kWidth - filled, 100 * done);
-    std::fflush(stderr);
+        print_message(fmt::format("\r\033[K{} [{:=<{}}{: <{}}] {:3.0f} %", what, "", filled, "",
+                                  kWidth - filled, 100 * done));
 }
 
 }  // namespace
 
 void Console::say(const std::string& line) const {
-    if (!quiet_) fmt::print(stderr, "{}\n", line);
+    if (!quiet_) print_message(fmt::format("{}\n", line));
 }
 
-void Console::warn(const std::string& line) const { fmt::print(stderr, "warning: {}\n", line); }
+void Console::warn(const std::string& line) const {
+    print_message(fmt::format("warning: {}\n", line));
+}
 
 Watch Console::watch(std::string_view what) const {
     Watch watch{&stop_requested(), nullptr};
@@ -44,9 +45,14 @@ Watch Console::watch(std::string_view what) const {
         if (terminal)
             draw_bar(what, done);
         else
-            fmt::print(stderr, "{}: {} %\n", what, 25 * step);
+            print_message(fmt::format("{}: {} %\n", what, 25 * step));
     };
     return watch;
+}
+
+void print_message(const std::string& text) {
+    std::fputs(text.c_str(), stderr);
+    std::fflush(stderr);
 }
 
 void print_result(const std::string& text) {

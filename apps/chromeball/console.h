@@ -23,6 +23,9 @@ private:
     bool quiet_;
 };
 
+/// Writes a message to stderr. Where that is closed or full the message is lost, the job is not.
+void print_message(const std::string& text);
+
 /// Writes a result to stdout; throws Error when it cannot be written.
 void print_result(const std::string& text);
 

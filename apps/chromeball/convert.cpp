@@ -69,20 +69,23 @@ void warn_bad_pixels(const Console& console, const std::string& name, std::size_
             fmt::format("{}: {} pixels are NaN or infinite; they are left out", name, count));
 }
 
+/// --camera-to-world as a rotation; the identity where it is not given.
+Rotation told_rotation(const ConvertOptions& o) {
+    if (!o.camera_to_world) return {};
+    const auto numbers = parse_numbers("--camera-to-world", *o.camera_to_world, {9, 16},
+                                       "9 or 16 numbers, row by row");
+    const auto rotation = Rotation::nearest(numbers);
+    if (!rotation)
+        throw Error(Error::Kind::usage,
+                    fmt::format("--camera-to-world {}: this is no rotation (columns must be "
+                                "perpendicular, of length 1, right-handed, to 1e-3); a scale or a "
+                                "mirror must be taken out first",
+                                *o.camera_to_world));
+    return *rotation;
+}
+
 Rotation world_rotation(const ConvertOptions& o, const Photo* photo, const Console& console) {
-    if (o.camera_to_world) {
-        const auto numbers = parse_numbers("--camera-to-world", *o.camera_to_world, {9, 16},
-                                           "9 or 16 numbers, row by row");
-        const auto rotation = Rotation::nearest(numbers);
-        if (!rotation)
-            throw Error(
-                Error::Kind::usage,
-                fmt::format("--camera-to-world {}: this is no rotation (columns must be "
-                            "perpendicular, of length 1, "
-                            "right-handed, to 1e-3); a scale or a mirror must be taken out first",
-                            *o.camera_to_world));
-        return *rotation;
-    }
+    if (o.camera_to_world) return told_rotation(o);
     if (!photo || !photo->metadata.find("worldToCamera")) return {};
     const auto rotation = rotation_from_metadata(*photo, o.photo.camera_axes);
     if (!rotation) {
@@ -132,7 +135,6 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
 
 Input map_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
     const Layout* layout = find_layout(o.from);
-    if (!layout) throw Error(Error::Kind::usage, unknown_shape(o.from));
     MapInput map = read_map(o.input, *layout, o.photo.max_pixels, colors, o.color.input_space);
     for (const std::string& warning : map.warnings) console.warn(warning);
     console.say(fmt::format("{}: {} of {}x{} pixels, colour space {}", o.input, layout->name,
@@ -177,6 +179,18 @@ void check_display(const ConvertOptions& o, const OutputPlan& plan, const ColorC
     colors.to_display(probe, display, o.view.value_or(views.empty() ? "" : views.front()));
 }
 
+/// What was typed wrong about the input, before it is read.
+void check_input(const ConvertOptions& o) {
+    told_rotation(o);
+    if (o.from == "photo") return;
+    if (!find_layout(o.from)) throw Error(Error::Kind::usage, unknown_shape(o.from));
+    if (o.photo.ball || o.photo.ellipse || o.photo.cropped)
+        throw Error(Error::Kind::usage,
+                    fmt::format("--from {} is a map, but --ball, --ellipse and --cropped tell of a "
+                                "photo of a ball; leave one of them out",
+                                o.from));
+}
+
 EnvmapKind envmap_kind(const Layout& layout, bool turned_away) {
     // The attribute says that +Z is in the middle; a preset with other axes must not claim it.
     if (turned_away) return EnvmapKind::none;
@@ -201,6 +215,8 @@ void run_convert(const ConvertOptions& o) {
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);
     check_display(o, plan, colors);
+    check_input(o);
+    check_output(plan, o.input);
     if (o.reflectance) {
         Image nothing({1, 1}, 3);
         undo_reflectance(nothing, *o.reflectance);
@@ -208,7 +224,6 @@ void run_convert(const ConvertOptions& o) {
 
     Input input =
         o.from == "photo" ? photo_input(o, colors, console) : map_input(o, colors, console);
-    check_output(plan);
 
     ResampleOptions how;
     how.filter = o.filter == "fast" ? Filter::fast : Filter::adaptive;
@@ -222,7 +237,7 @@ void run_convert(const ConvertOptions& o) {
     WriteOptions write;
     write.format = plan.format;
     write.full_float = o.output.full_float;
-    write.bits = o.output.bits;
+    write.bits = o.output.bits.value_or(16);
     write.envmap = envmap_kind(*plan.layout, !axes.is_identity());
     if (!o.display && !o.view) write.color = colors.tag(space);
     input.provenance.version = kVersion;
@@ -279,9 +294,8 @@ void add_convert(CLI::App& app) {
         ->add_flag("--float", o->output.full_float,
                    "32-bit EXR or TIFF, scene-linear (default: half EXR)")
         ->group(out);
-    command->add_option("--bits", o->output.bits, "Of PNG and TIFF")
+    command->add_option("--bits", o->output.bits, "Of PNG and TIFF (default: 16)")
         ->check(CLI::IsMember({8, 16}))
-        ->capture_default_str()
         ->group(out);
     command
         ->add_option("--filter", o->filter,
@@ -317,12 +331,15 @@ void add_convert(CLI::App& app) {
         ->add_option(
             "--yaw", o->yaw,
             "Then turned about +Y, degrees; 180 puts what the camera looks at into the middle")
+        ->check(finite())
         ->capture_default_str()
         ->group(axes);
     command->add_option("--pitch", o->pitch, "... about +X, degrees")
+        ->check(finite())
         ->capture_default_str()
         ->group(axes);
     command->add_option("--roll", o->roll, "... about +Z, degrees")
+        ->check(finite())
         ->capture_default_str()
         ->group(axes);
     add_photo_options(*command, o->photo);

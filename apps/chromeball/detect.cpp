@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <numbers>
 
 #include "commands.h"
@@ -11,6 +13,7 @@
 #include "core/parallel.h"
 #include "io/facts.h"
 #include "io/write.h"
+#include "map_files.h"
 #include "options.h"
 #include "photo_job.h"
 #include "report.h"
@@ -48,6 +51,25 @@ FileFormat picture_format(const std::string& path) {
         throw Error(Error::Kind::usage,
                     fmt::format("{}: name a .png, .jpg, .tif, .exr or .hdr file", path));
     return *format;
+}
+
+/// Whether a picture of each photo can be written: before the search, and without harm to any
+/// photo.
+void check_pictures(const std::string& target, const std::vector<std::string>& photos,
+                    std::string_view extension) {
+    const bool several = photos.size() > 1;
+    if (several) make_folder(target);
+    std::map<std::string, std::string> of;  // picture -> photo
+    for (const std::string& photo : photos) {
+        const std::string path = picture_path(target, photo, several, extension);
+        picture_format(path);
+        check_target(path);
+        for (const std::string& other : photos) check_not_input(path, other);
+        if (const auto [known, is_new] = of.emplace(path, photo); !is_new)
+            throw Error(Error::Kind::usage,
+                        fmt::format("{}: would be written for {} and for {}; take them apart", path,
+                                    known->second, photo));
+    }
 }
 
 /// An 8-bit picture as floats from 0 to 1, as write_image takes it.
@@ -102,6 +124,16 @@ void write_crop(const DetectCommand& o, const PhotoJob& job, const MirrorBall& b
     write_image(path, crop.view(), write);
 }
 
+/// A picture that cannot be written takes nothing from what was found.
+void write_safely(DetectReport& report, const std::function<void()>& write) {
+    try {
+        write();
+    } catch (const Error& e) {
+        if (e.kind() != Error::Kind::failed) throw;
+        report.unwritten = e.what();
+    }
+}
+
 DetectReport look_at(const std::string& path, const DetectCommand& o, const ColorConfig* colors) {
     const bool several = o.photos.size() > 1;
     DetectReport report;
@@ -120,13 +152,13 @@ DetectReport look_at(const std::string& path, const DetectCommand& o, const Colo
         report.center_direction = ball.axis();
         if (!ball.orthographic()) report.distance = ball.distance();
         report.hidden_half_angle_degrees = ball.hidden_half_angle() * 180 / std::numbers::pi;
-        if (o.crop) write_crop(o, job, ball, *colors, several);
+        if (o.crop) write_safely(report, [&] { write_crop(o, job, ball, *colors, several); });
     } else {
         report.reason = no_ball(job, o.photo.threshold).what();
     }
     report.camera = job.camera;
     report.warnings = job.warnings;
-    if (o.overlay) write_overlay(o, job, several);
+    if (o.overlay) write_safely(report, [&] { write_overlay(o, job, several); });
     return report;
 }
 
@@ -149,9 +181,10 @@ int status_of(const std::vector<DetectReport>& reports) {
     const auto count = [&](auto test) {
         return std::count_if(reports.begin(), reports.end(), test);
     };
-    const auto unreadable = count([](const DetectReport& r) { return !r.readable; });
-    if (unreadable == static_cast<std::ptrdiff_t>(reports.size())) return 1;
-    if (unreadable > 0) return 3;
+    const auto failed =
+        count([](const DetectReport& r) { return !r.readable || !r.unwritten.empty(); });
+    if (failed == static_cast<std::ptrdiff_t>(reports.size())) return 1;
+    if (failed > 0) return 3;
     return count([](const DetectReport& r) { return !r.found; }) > 0 ? 4 : 0;
 }
 
@@ -159,13 +192,8 @@ void run_detect(const DetectCommand& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);
     const bool several = o.photos.size() > 1;
-    for (const auto& target : {o.overlay, o.crop}) {
-        if (!target) continue;
-        if (several)
-            make_folder(*target);
-        else if (!fs::is_directory(*target))
-            picture_format(*target);
-    }
+    if (o.overlay) check_pictures(*o.overlay, o.photos, ".png");
+    if (o.crop) check_pictures(*o.crop, o.photos, ".exr");
     std::optional<ColorConfig> colors;  // only cropping needs colours
     if (o.crop) colors = ColorConfig::load(o.color.ocio);
 
@@ -180,7 +208,8 @@ void run_detect(const DetectCommand& o) {
 
     for (const DetectReport& report : reports) {
         for (const std::string& warning : report.warnings) console.warn(warning);
-        if (!report.readable) fmt::print(stderr, "error: {}\n", report.reason);
+        if (!report.readable) print_message(fmt::format("error: {}\n", report.reason));
+        if (!report.unwritten.empty()) print_message(fmt::format("error: {}\n", report.unwritten));
     }
     print_result(to_json(reports, o.json_lines));
     for (const DetectReport& report : reports)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "core/error.h"
 #include "io/facts.h"
@@ -98,34 +99,33 @@ double luminance(const float* p) { return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722
 
 /// Range, mean and coverage; weighted by solid angle where the layout is known.
 void measure(const Image& pixels, const Layout* layout, InfoReport& report) {
-    double low = std::numeric_limits<double>::infinity(), high = 0, total = 0, covered = 0;
+    double low = std::numeric_limits<double>::infinity(), high = 0, covered = 0, whole = 0;
     std::array<double, 3> sum{};
-    const double pixel_area = 1 / static_cast<double>(pixels.size().pixels());
     for (int y = 0; y < pixels.height(); ++y)
         for (int x = 0; x < pixels.width(); ++x) {
             double weight = 1;
             if (layout) {
                 const V2d p((x + 0.5) / pixels.width(), (y + 0.5) / pixels.height());
-                weight =
-                    pixel_area * std::visit([&](const auto& shape) { return shape.solid_angle(p); },
-                                            layout->projection);
+                weight = std::visit([&](const auto& shape) { return shape.solid_angle(p); },
+                                    layout->projection);
             }
+            whole += weight;
             const float* v = pixels.pixel(x, y);
             const double alpha = pixels.channels() > 3 ? static_cast<double>(v[3]) : 1;
             if (weight == 0 || alpha <= 0) continue;
             covered += weight * alpha;
-            total += weight * alpha;
             for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * v[c];
             const double light = luminance(v) / alpha;
             if (light > 0) low = std::min(low, light);
             high = std::max(high, light);
         }
-    if (total > 0)
-        for (std::size_t c = 0; c < 3; ++c) report.mean_radiance[c] = sum[c] / total;
+    if (covered > 0)
+        for (std::size_t c = 0; c < 3; ++c) report.mean_radiance[c] = sum[c] / covered;
     if (high > 0) report.range_stops = std::log2(high / low);
     report.maximum = high;
     report.over_sphere = layout != nullptr;
-    if (layout) report.covered_steradians = covered;
+    // Solid angles taken at pixels' centres add up to 4 pi only nearly.
+    if (layout && whole > 0) report.covered_steradians = 4 * std::numbers::pi * covered / whole;
 }
 
 }  // namespace
@@ -141,9 +141,18 @@ InfoReport inspect(const std::string& path, const std::optional<std::string>& fr
     std::optional<std::array<std::string, 6>> faces;
     if (fs::is_directory(path)) {
         faces = faces_in(path);
-        if (!told) told = find_layout("faces");
     }
     const Photo photo = read_photo(faces ? faces->front() : path, {max_pixels, std::nullopt});
+    const auto past = provenance_from(photo.metadata);
+    std::string folder_sureness = "six files in a folder";
+    if (faces && !told) {
+        told = find_layout("faces");
+        const Layout* noted = past ? find_layout(past->layout) : nullptr;
+        if (noted && noted->separate_faces) {
+            told = noted;
+            folder_sureness = "certain: chromeball wrote it";
+        }
+    }
 
     InfoReport report;
     report.file = path;
@@ -157,7 +166,7 @@ InfoReport inspect(const std::string& path, const std::optional<std::string>& fr
         report.bad_pixels = map.bad_pixels;
         report.notes = map.warnings;
         report.layout = told->name;
-        report.layout_sureness = from ? "as told" : "six files in a folder";
+        report.layout_sureness = from ? "as told" : folder_sureness;
     } else {
         std::string warning;
         report.color_space = colors.input_space(photo, input_space, &warning);
@@ -170,8 +179,7 @@ InfoReport inspect(const std::string& path, const std::optional<std::string>& fr
     }
     report.size = pixels.size();
     measure(pixels, told, report);
-    if (const auto past = provenance_from(photo.metadata))
-        report.provenance = to_attribute(*past).text;
+    if (past) report.provenance = to_attribute(*past).text;
     if (report.layout == "angular" && report.layout_sureness.starts_with("a guess"))
         report.notes.push_back(
             "a \"light probe\" in a disk is an angular map more often than a mirror ball: compare "

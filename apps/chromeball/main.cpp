@@ -1,16 +1,20 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <iostream>
 #include <new>
 
 #include "commands.h"
+#include "console.h"
 #include "core/error.h"
 #include "settings_file.h"
 #include "stop.h"
+#include "usage.h"
 #include "version.h"
 
 int main(int argc, char** argv) {
     using namespace chromeball;
+    hold_standard_streams();
     handle_signals();
     CLI::App app{"Environment maps from photographs of mirror balls", "chromeball"};
     app.require_subcommand(1);
@@ -27,24 +31,38 @@ int main(int argc, char** argv) {
         "Each command has --help. Exit status: 0 done, 1 failed, 2 wrong words, 3 some of many "
         "failed, "
         "4 no ball found, 130 interrupted.");
+    if (argc == 1) {
+        print_message(app.help());
+        return 2;
+    }
+    if (const auto word = option_without_value(argc, argv)) {
+        print_message(fmt::format("error: {}: a value is missing behind the =\n", *word));
+        return 2;
+    }
     try {
         app.parse(argc, argv);
         return 0;
     } catch (const CLI::FileError& e) {
-        fmt::print(stderr, "error: {}\n", e.what());
+        print_message(fmt::format("error: {}; check the path of the settings file\n", e.what()));
         return 1;
     } catch (const CLI::RuntimeError& e) {
         return e.get_exit_code();  // a command that has said all it has to say
+    } catch (const CLI::Success& e) {
+        app.exit(e);  // prints the help or the version
+        if (std::cout.flush()) return 0;
+        print_message("error: standard output cannot be written\n");
+        return 1;
     } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? 0 : 2;
+        print_message(fmt::format("error: {}\n", usage_message(app, e)));
+        return 2;
     } catch (const Error& e) {
-        fmt::print(stderr, "error: {}\n", e.what());
+        print_message(fmt::format("error: {}\n", e.what()));
         return static_cast<int>(e.kind());
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "error: not enough memory; use a smaller --size, or photo\n");
+        print_message(fmt::format("error: not enough memory; use a smaller --size, or photo\n"));
         return 1;
     } catch (const std::exception& e) {
-        fmt::print(stderr, "error (unexpected): {}\n", e.what());
+        print_message(fmt::format("error (unexpected): {}\n", e.what()));
         return 1;
     }
 }

@@ -103,6 +103,9 @@ OutputPlan plan_output(const OutputOptions& o) {
     plan.layout = &chosen_layout(o, plan.preset);
     plan.path = o.output;
     plan.format = plan.layout->separate_faces ? folder_format(o, plan.preset) : file_format(o);
+    if (o.full_float && o.bits)
+        refuse(
+            fmt::format("--float means 32 bits, --bits says {}; leave one of them out", *o.bits));
     if (o.full_float && plan.format != FileFormat::exr && plan.format != FileFormat::tif)
         refuse(fmt::format("--float goes with EXR and TIFF; {} has no 32-bit floats",
                            extension_of(plan.format)));
@@ -111,13 +114,30 @@ OutputPlan plan_output(const OutputOptions& o) {
     return plan;
 }
 
-void check_output(const OutputPlan& plan) {
+void check_output(const OutputPlan& plan, const std::string& input) {
+    std::vector<std::string> targets{plan.path};
     if (plan.layout->separate_faces) {
-        make_folder(plan.path);
-        for (const std::string& file : plan.face_files()) check_target(file);
-    } else {
-        check_target(plan.path);
+        const auto files = plan.face_files();
+        targets.insert(targets.end(), files.begin(), files.end());
     }
+    // A second run would take the first one's result as its input.
+    for (const std::string& target : targets) check_not_input(target, input);
+
+    if (!plan.layout->separate_faces) {
+        check_target(plan.path);
+    } else if (fs::is_directory(plan.path)) {
+        for (std::size_t i = 1; i < targets.size(); ++i) check_target(targets[i]);
+    } else {
+        const std::string folder = (fs::path(plan.path) / "").parent_path().string();
+        if (fs::exists(fs::symlink_status(folder))) make_folder(folder);  // says what it is
+        check_target(folder);
+    }
+}
+
+void check_not_input(const std::string& target, const std::string& input) {
+    std::error_code no_such_file;
+    if (fs::equivalent(target, input, no_such_file))
+        refuse(fmt::format("{}: would replace the input {}; name another output", target, input));
 }
 
 std::vector<std::string> write_map(const OutputPlan& plan, const Image& map,
@@ -128,9 +148,21 @@ std::vector<std::string> write_map(const OutputPlan& plan, const Image& map,
     }
     const auto files = plan.face_files();
     const int size = map.width();
-    for (int face = 0; face < 6; ++face) {
-        const Image part = rows_of(map, face * size, size);
-        add(report, write_image(files[static_cast<std::size_t>(face)], part.view(), options));
+    const bool new_folder = !fs::exists(plan.path);
+    make_folder(plan.path);
+    try {
+        for (int face = 0; face < 6; ++face) {
+            const Image part = rows_of(map, face * size, size);
+            add(report, write_image(files[static_cast<std::size_t>(face)], part.view(), options));
+        }
+    } catch (...) {
+        // Of what was not there before nothing stays.
+        std::error_code ignored;
+        if (new_folder) {
+            for (const std::string& file : files) fs::remove(file, ignored);
+            fs::remove(plan.path, ignored);
+        }
+        throw;
     }
     return {files.begin(), files.end()};
 }

@@ -18,7 +18,7 @@ struct OutputOptions {
     std::optional<std::string> preset;
     std::optional<std::string> format;
     bool full_float = false;
-    int bits = 16;
+    std::optional<int> bits;  ///< of PNG and TIFF; 16
 };
 
 /// The decisions that follow from them.
@@ -36,9 +36,11 @@ struct OutputPlan {
 /// Throws Error (usage) for unknown names and contradictions.
 OutputPlan plan_output(const OutputOptions& options);
 
-/// Whether an output can be written where it is asked for; before work is spent on it. Throws
-/// Error.
-void check_output(const OutputPlan& plan);
+/// Whether an output can be written where it is asked for, and is not the input; before work is
+/// spent on it. Makes nothing. Throws Error.
+void check_output(const OutputPlan& plan, const std::string& input);
+/// Throws Error (usage) when both are the same file or folder.
+void check_not_input(const std::string& target, const std::string& input);
 
 /// Writes a map as planned: one file, or six in a folder that is made if need be. Returns the
 /// files.

@@ -16,13 +16,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// A map that chromeball wrote as something else than it is now told to be; nothing where it fits.
+std::optional<std::string> misfit(const Photo& photo, const Layout& layout) {
+    const auto past = provenance_from(photo.metadata);
+    if (!past || past->layout.empty() || past->layout == layout.name) return std::nullopt;
+    const auto is_column = [](std::string_view name) {
+        return name == "openexr" || name == "strip-v" || name == "faces";
+    };
+    if (is_column(past->layout) && is_column(layout.name)) return std::nullopt;
+    return fmt::format("{}: was written as {}, but is read as {}", photo.name, past->layout,
+                       layout.name);
+}
+
 /// One file, decoded; its space and warnings go to `input`.
-Image decoded(const std::string& path, std::int64_t max_pixels, const ColorConfig& colors,
-              const std::optional<std::string>& space, MapInput& input) {
+Image decoded(const std::string& path, const Layout& layout, std::int64_t max_pixels,
+              const ColorConfig& colors, const std::optional<std::string>& space, MapInput& input) {
     const Photo photo = read_photo(path, {max_pixels, std::nullopt});
     std::string warning;
     input.space = colors.input_space(photo, space, &warning);
     if (!warning.empty()) input.warnings.push_back(warning);
+    // Of six faces the first one tells.
+    if (auto note = misfit(photo, layout); note && input.metadata.all().empty())
+        input.warnings.push_back(std::move(*note));
     std::size_t bad = 0;
     Image pixels = colors.to_working(photo, input.space, std::nullopt, &bad);
     input.bad_pixels += bad;
@@ -41,8 +56,9 @@ Image with_alpha(const Image& pixels) {
     return out;
 }
 
-Image joined_faces(const std::string& folder, std::int64_t max_pixels, const ColorConfig& colors,
-                   const std::optional<std::string>& space, MapInput& input) {
+Image joined_faces(const std::string& folder, const Layout& layout, std::int64_t max_pixels,
+                   const ColorConfig& colors, const std::optional<std::string>& space,
+                   MapInput& input) {
     const auto files = faces_in(folder);
     if (!files)
         throw Error(
@@ -53,7 +69,7 @@ Image joined_faces(const std::string& folder, std::int64_t max_pixels, const Col
     Image column;
     for (int face = 0; face < 6; ++face) {
         const std::string& file = (*files)[static_cast<std::size_t>(face)];
-        const Image pixels = with_alpha(decoded(file, max_pixels, colors, space, input));
+        const Image pixels = with_alpha(decoded(file, layout, max_pixels, colors, space, input));
         if (face == 0) column = Image({pixels.width(), 6 * pixels.width()}, 4);
         if (pixels.size() != Size{column.width(), column.width()})
             throw Error(
@@ -74,9 +90,9 @@ MapInput read_map(const std::string& path, const Layout& layout, std::int64_t ma
                   const ColorConfig& colors, const std::optional<std::string>& input_space) {
     MapInput input;
     if (layout.separate_faces && fs::is_directory(path)) {
-        input.pixels = joined_faces(path, max_pixels, colors, input_space, input);
+        input.pixels = joined_faces(path, layout, max_pixels, colors, input_space, input);
     } else {
-        input.pixels = decoded(path, max_pixels, colors, input_space, input);
+        input.pixels = decoded(path, layout, max_pixels, colors, input_space, input);
     }
     const Size size = input.pixels.size();
     if (size != layout.picture(size.width / layout.width_units))
@@ -94,7 +110,7 @@ std::string unknown_shape(const std::string& name) {
     const auto near = nearest_names(name, names);
     return fmt::format("--from {}: no such shape; {} {}", name,
                        near.empty() ? "choose" : "did you mean",
-                       quoted_list(near.empty() ? names : near));
+                       near.empty() ? quoted_list(names) : quoted_list(near) + "?");
 }
 
 }  // namespace chromeball

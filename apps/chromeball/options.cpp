@@ -1,6 +1,9 @@
 #include "options.h"
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
+
+#include <cmath>
 
 namespace chromeball {
 
@@ -8,6 +11,16 @@ std::string comma_list(const std::vector<std::string>& names) {
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     return list;
+}
+
+CLI::Validator finite() {
+    return {[](std::string& text) {
+                double value = 0;
+                if (CLI::detail::lexical_cast(text, value) && !std::isfinite(value))
+                    return fmt::format("{} is no finite number", text);
+                return std::string();
+            },
+            "", "finite"};
 }
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
@@ -50,6 +63,7 @@ void add_photo_options(CLI::App& command, PhotoOptions& options) {
     command
         .add_option("--threshold", options.threshold,
                     "Confidence from which on a ball counts as found")
+        ->check(finite())
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str()
         ->group(ball);
@@ -61,22 +75,27 @@ void add_photo_options(CLI::App& command, PhotoOptions& options) {
     const std::string camera =
         "Camera (default: from the file's EXIF or EXR metadata, else orthographic)";
     command.add_option("--focal-mm", options.focal_mm, "Focal length, mm; goes with --sensor-mm")
+        ->check(finite())
         ->check(CLI::PositiveNumber)
         ->group(camera);
     command
         .add_option("--sensor-mm", options.sensor_mm,
                     "Width of the sensor that the photo's width shows, mm")
+        ->check(finite())
         ->check(CLI::PositiveNumber)
         ->group(camera);
     command.add_option("--hfov", options.hfov, "Horizontal field of view, degrees")
+        ->check(finite())
         ->check(CLI::Range(0.001, 179.999))
         ->group(camera);
     command.add_option("--focal-px", options.focal_px, "Focal length, pixels")
+        ->check(finite())
         ->check(CLI::PositiveNumber)
         ->group(camera);
     command
         .add_option("--distance-radii", options.distance_radii,
                     "Distance from camera to ball, ball radii; the focal length follows")
+        ->check(finite())
         ->check(CLI::Range(1.0, 1e9))
         ->group(camera);
     command.add_flag("--orthographic", options.orthographic, "The camera is infinitely far away")

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -42,6 +43,9 @@ struct PhotoOptions {
 void add_common_options(CLI::App& command, CommonOptions& options);
 void add_color_options(CLI::App& command, ColorOptions& options);
 void add_photo_options(CLI::App& command, PhotoOptions& options);
+
+/// Refuses "nan" and "inf", which ranges let through.
+CLI::Validator finite();
 
 /// "a, b, c".
 std::string comma_list(const std::vector<std::string>& names);

@@ -8,6 +8,7 @@
 
 #include "io/facts.h"
 #include "io/read.h"
+#include "map/layouts.h"
 #include "numbers.h"
 #include "resample/source.h"
 
@@ -37,9 +38,18 @@ Outline ellipse_from(const std::string& text) {
     return e;
 }
 
+/// How far an outline reaches beyond the picture, as a part of its own width and height.
+V2d beyond_edges(const Outline& e, Size picture) {
+    const double c = std::cos(e.angle * pi / 180), s = std::sin(e.angle * pi / 180);
+    const V2d half(std::hypot(e.a * c, e.b * s), std::hypot(e.a * s, e.b * c));
+    return {std::max({0.0, half.x - e.cx, e.cx + half.x - picture.width}) / (2 * half.x),
+            std::max({0.0, half.y - e.cy, e.cy + half.y - picture.height}) / (2 * half.y)};
+}
+
 void check_inside(const Outline& e, const Photo& photo, const std::string& option) {
+    const V2d beyond = beyond_edges(e, photo.display);
     const Window window = needed_window(e, photo.window);
-    if (window.size.width > 0 && window.size.height > 0) return;
+    if (beyond.x < 1 && beyond.y < 1 && window.size.width > 0 && window.size.height > 0) return;
     refuse(fmt::format("{}: {} lies outside the picture, which is {}x{} pixels", photo.name, option,
                        photo.display.width, photo.display.height));
 }
@@ -132,6 +142,14 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
     } else {
         job.ball = searched_ball(job.photo, job.camera, options, watch);
     }
+    if (job.ball.found && !options.cropped) {
+        const V2d beyond = beyond_edges(job.ball.outline, job.photo.display);
+        if (std::max(beyond.x, beyond.y) > 0.01)  // more than an error of the outline
+            job.warnings.push_back(
+                fmt::format("{}: the ball is partly outside the picture; what is mirrored there "
+                            "stays empty (alpha 0)",
+                            path));
+    }
     if (!job.camera.told && job.ball.found)
         job.warnings.push_back(
             fmt::format("{}: the focal length is not known, the camera is taken as infinitely far "
@@ -147,9 +165,12 @@ Error no_ball(const PhotoJob& job, double threshold) {
                                  ? fmt::format("best candidate scores {:.2f}, {:.2f} is needed",
                                                job.ball.candidate->confidence, threshold)
                                  : std::string("nothing round was seen");
+    std::string way_out = "give it with --ball CX,CY,R or --cropped";
+    const auto past = provenance_from(job.photo.metadata);
+    if (past && find_layout(past->layout))
+        way_out = fmt::format("it is a map: convert it with --from {}", past->layout);
     return {Error::Kind::no_ball,
-            fmt::format("{}: no mirror ball found ({}); give it with --ball CX,CY,R or --cropped",
-                        job.photo.name, best)};
+            fmt::format("{}: no mirror ball found ({}); {}", job.photo.name, best, way_out)};
 }
 
 double lens_blur(const Candidate& candidate) {
@@ -197,7 +218,8 @@ MirrorBall projection_of(PhotoJob& job) {
 
 std::string description(const PhotoJob& job, const MirrorBall& ball) {
     const Outline& e = ball.outline();
-    std::string line = fmt::format("{}: ball {}", job.photo.name, job.ball.how);
+    std::string line = fmt::format("{}: ball {}{}", job.photo.name,
+                                   job.ball.candidate ? "" : "given by ", job.ball.how);
     if (job.ball.candidate)
         line += fmt::format(" with confidence {:.2f}", job.ball.candidate->confidence);
     line += fmt::format(", --ellipse {:.2f},{:.2f},{:.2f},{:.2f},{:.2f}", e.cx, e.cy, e.a, e.b,

@@ -12,7 +12,8 @@ struct DetectReport {
     std::string photo;
     bool readable = true;
     bool found = false;
-    std::string reason;  ///< why nothing was found, or read
+    std::string reason;     ///< why nothing was found, or read
+    std::string unwritten;  ///< why its overlay or crop could not be written; empty: they were
     Size size;
     double confidence = 0;
     double visible_rim = 0;

@@ -4,6 +4,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
+#include "core/error.h"
+#include "usage.h"
+
 namespace chromeball {
 namespace {
 
@@ -13,12 +19,34 @@ std::string joined(const std::vector<std::string>& parts) {
     return all;
 }
 
+bool is_key(const std::string& name) {
+    return std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == '-' || c == '_';
+    });
+}
+
 }  // namespace
 
 bool SettingsFile::is_command(const std::string& name) const {
     const auto commands =
         app_.get_subcommands([&](const CLI::App* c) { return c->check_name(name); });
     return !commands.empty();
+}
+
+std::string SettingsFile::name() const {
+    return fmt::format("settings file {}", joined(app_.get_config_ptr()->results()));
+}
+
+void SettingsFile::check_key(const CLI::ConfigItem& item) const {
+    const CLI::App& command = *app_.get_subcommands().front();
+    if (item.parents.size() == 1 && command.get_option_no_throw("--" + item.name)) return;
+    if (item.inputs.empty() || item.inputs.front().empty() || !is_key(item.name))
+        throw Error(Error::Kind::usage,
+                    fmt::format("{}: cannot make sense of \"{}\"; a line is KEY = VALUE, as "
+                                "size = 1024, the whole value on it",
+                                name(), item.name));
+    throw Error(Error::Kind::usage,
+                fmt::format("{}: {}: {}", name(), item.name, unknown_option(command, item.name)));
 }
 
 std::vector<CLI::ConfigItem> SettingsFile::from_config(std::istream& input) const {
@@ -30,10 +58,11 @@ std::vector<CLI::ConfigItem> SettingsFile::from_config(std::istream& input) cons
         if (item.parents.empty()) item.parents = {command};
         if (item.parents.front() != command) {
             if (!is_command(item.parents.front()))
-                throw CLI::ConfigError(
-                    fmt::format("settings file: [{}] is no command", item.parents.front()));
+                throw Error(Error::Kind::usage,
+                            fmt::format("{}: [{}] is no command", name(), item.parents.front()));
             continue;
         }
+        check_key(item);
         // 1,2,3 and [1, 2, 3] are both one value of ours.
         if (item.inputs.size() > 1) item.inputs = {joined(item.inputs)};
         kept.push_back(std::move(item));

@@ -14,6 +14,9 @@ public:
 
 private:
     bool is_command(const std::string& name) const;
+    std::string name() const;
+    /// Throws Error (usage) where the running command has no such option.
+    void check_key(const CLI::ConfigItem& item) const;
 
     const CLI::App& app_;
 };
