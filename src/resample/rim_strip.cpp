@@ -11,7 +11,9 @@ using std::numbers::pi;
 
 constexpr int kRowsPerPixel = 8;     // of depth
 constexpr double kDepthSigma = 0.2;  // pixels; found by trying 0.15 to 0.3 on renders
-constexpr double kWidth = 3.5;       // pixels of depth that the strip covers, in a ball not tiny
+constexpr double kMostColumns =
+    65536;                      // along the rim, one a pixel; of balls larger than any photo fewer
+constexpr double kWidth = 3.5;  // pixels of depth that the strip covers, in a ball not tiny
 
 // A row's depth may have its nearest usable pixels a whole pixel away, where the rim runs along
 // rows.
@@ -31,12 +33,13 @@ RimStrip::RimStrip(const Image& pixels, const Outline& outline, double first_dep
       sin_(std::sin(outline.angle * pi / 180)),
       first_(first_depth),
       last_(first_depth + std::min(kWidth, 0.1 * outline.b)) {
-    const int columns = std::max(8, static_cast<int>(std::ceil(2 * pi * outline.a)));
+    const double around = 2 * pi * outline.a;
+    const int columns = static_cast<int>(std::clamp(std::ceil(around), 8.0, kMostColumns));
     const int rows = 1 + static_cast<int>(std::ceil((last_ - first_) * kRowsPerPixel));
     strip_ = Image({columns, rows}, 4);
     // One thread: the same sums in the same order, and it is a thin ring of pixels.
     const double deepest = last_ + 4 * kDepthSigma;
-    const double along_sigma = along_sigma_of(outline);
+    const double along_sigma = std::max(0.5, along_sigma_of(outline) * columns / around);
     for (int y = 0; y < pixels.height(); ++y)
         for (int x = 0; x < pixels.width(); ++x) {
             const float* pixel = pixels.pixel(x, y);
