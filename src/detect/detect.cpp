@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "detect/candidates.h"
+#include "detect/edge.h"
 #include "detect/grey.h"
 #include "detect/rim.h"
 #include "detect/score.h"
@@ -19,6 +20,7 @@ constexpr int kFinestLevel = 1200;  // long side of the finest level
 constexpr std::size_t kMostCandidates = 8;
 constexpr std::size_t kMostFollowed = 28;
 constexpr double kWorthTelling = 0.05;  // candidates below it are only clutter, but for the best
+constexpr double kWorthSettling = 0.15;
 constexpr double kHopeless = 1e-4;
 constexpr std::size_t kMostEscaping = 6;
 constexpr double kNested = 0.25;      // of the radius: so near, only one of two rims is a ball's
@@ -29,7 +31,8 @@ struct Draft {
     Outline outline;
     Rim rim;
     Evidence evidence;
-    double confidence = 0;
+    double score = 0;
+    std::optional<ShapeCovariance> covariance;  ///< of the outline as a Shape
 };
 
 Outline scaled(const Outline& o, double sx, double sy) {
@@ -49,7 +52,7 @@ bool same(const Outline& one, const Outline& other, double tolerance) {
 /// Nothing a ball's outline could be: lost, too small, almost all outside the picture.
 bool lost(const Outline& o, Size size) {
     const double r = radius(o);
-    if (!(r >= 6) || !(r < 2.0 * std::max(size.width, size.height))) return true;
+    if (!(o.b > 0) || !(r >= 6) || !(r < 2.0 * std::max(size.width, size.height))) return true;
     return o.cx < -0.7 * r || o.cy < -0.7 * r || o.cx > size.width + 0.7 * r ||
            o.cy > size.height + 0.7 * r || o.b < 0.75 * o.a;
 }
@@ -77,7 +80,8 @@ constexpr Pass kPasses[] = {{72, 80, 0.22, 0.08, 0.02, {1}},
 struct Picture {
     Grey grey;
     std::vector<Level> levels;
-    Lens lens;
+    Lens lens;   ///< for the search: only a hint, for a wrong start must be free to bend away
+    Lens exact;  ///< for the last fits: exact where the camera is known
 };
 
 RimSearch search_of(const Pass& pass, double r) {
@@ -158,10 +162,33 @@ void follow_finely(Draft& draft, const Picture& picture) {
             .loose = wide * (1 + blur),
             .tight = 0.5 + 0.5 * blur,
             .shade = 3 + 4 * blur};
-        const Rim rim = fit_rim(picture.grey, Tone::linear, draft.outline, search, picture.lens);
+        const Rim rim = fit_rim(picture.grey, Tone::linear, draft.outline, search, picture.exact);
         if (lost(rim.outline, picture.grey.pixels.size)) return;
         draft.outline = rim.outline;
         draft.rim = rim;
+    }
+}
+
+/// The last word on the rim, where it shows well enough: by what a mirror must look like there.
+void settle_edge(Draft& draft, const Picture& picture) {
+    constexpr double kFinestStep = 0.7;  // pixels: finer samples share their pixels' noise
+    constexpr double kLeastEvidence = 4.5;
+    double step = std::max(kFinestStep, 0.5 * draft.rim.blur);
+    double blur = 0;
+    for (int round = 0; round < 3; ++round) {
+        const double r = radius(draft.outline);
+        const double spacing = std::clamp(r / 40, std::max(1.0, step), 6.0);
+        const int rays = static_cast<int>(2 * std::numbers::pi * r / spacing);
+        const EdgeSearch search{.rays = std::clamp(rays, 64, 448), .step = step, .blur = blur};
+        const EdgeFit fit = fit_edge(picture.grey, draft.outline, search, picture.exact);
+        if (fit.known < 0.5 || fit.evidence < kLeastEvidence) return;
+        if (lost(fit.outline, picture.grey.pixels.size)) return;
+        const bool done = rim_deviation(fit.outline, draft.outline) < 0.05;
+        draft.outline = fit.outline;
+        draft.covariance = fit.covariance;
+        if (done) return;
+        blur = fit.blur;
+        step = std::clamp(0.8 * fit.blur, std::max(kFinestStep, 0.7 * step), 1.6 * step);
     }
 }
 
@@ -200,12 +227,13 @@ void judge(Draft& draft, const Picture& picture) {
     const Level& level = level_for(picture.levels, radius(draft.outline), kScoredRadius);
     draft.evidence =
         evidence_of(level, scaled(draft.outline, 1 / level.scale_x, 1 / level.scale_y), draft.rim);
-    draft.confidence = confidence_of(draft.evidence);
+    draft.evidence.photo_radius = radius(draft.outline);
+    draft.score = score_of(draft.evidence);
 }
 
-void sort_by_confidence(std::vector<Draft>& drafts) {
+void sort_by_score(std::vector<Draft>& drafts) {
     std::stable_sort(drafts.begin(), drafts.end(),
-                     [](const Draft& a, const Draft& b) { return a.confidence > b.confidence; });
+                     [](const Draft& a, const Draft& b) { return a.score > b.score; });
 }
 
 /// Of rims around nearly the same place the best: the outer ones before the inner, which may be
@@ -228,26 +256,44 @@ void drop_nested(std::vector<Draft>& drafts) {
     drafts = std::move(kept);
 }
 
-std::vector<Draft> drafts_of(const Picture& picture, const Watch& watch) {
+/// Whether it can be the ball that the options ask for, with a tolerance for a first rough outline.
+bool wanted(const Outline& o, const Photo& photo, const DetectOptions& options, double tolerance) {
+    const double r = radius(o);
+    if (const auto& range = options.radius_range)
+        if (r < (*range)[0] * (1 - tolerance) || r > (*range)[1] * (1 + tolerance)) return false;
+    if (!options.near) return true;
+    return std::hypot(options.near->x - photo.window.x - o.cx,
+                      options.near->y - photo.window.y - o.cy) <= r * (1 + tolerance);
+}
+
+void tell(const Watch& watch, double part) {
+    if (watch.progress) watch.progress(part);
+}
+
+std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
+                             const DetectOptions& options, const Watch& watch) {
     const Size size = picture.grey.pixels.size;
     std::vector<Draft> drafts;
     for (const Seed& seed : find_seeds(picture.levels, watch)) {
         Draft draft;
         draft.outline = {seed.x, seed.y, seed.radius, seed.radius, 0};
+        if (!wanted(draft.outline, photo, options, 0.25)) continue;
         follow(draft, picture, kPasses[0]);
         drafts.push_back(draft);
     }
     thin_out(drafts, 0.03, kMostFollowed, size);
     watch.check();
+    tell(watch, 0.4);
     for (Draft& draft : drafts) follow(draft, picture, kPasses[1]);
     thin_out(drafts, 0.015, kMostFollowed, size);
     for (Draft& draft : drafts) judge(draft, picture);
-    sort_by_confidence(drafts);
+    sort_by_score(drafts);
     if (drafts.size() > kMostCandidates) drafts.resize(kMostCandidates);
     // What shows nothing of a mirror ball is not worth the finer passes; two always get them.
-    while (drafts.size() > 2 && drafts.back().confidence < kHopeless) drafts.pop_back();
+    while (drafts.size() > 2 && drafts.back().score < kHopeless) drafts.pop_back();
     for (std::size_t i = 0; i < drafts.size(); ++i) {
         watch.check();
+        tell(watch, 0.5 + 0.4 * double(i) / double(drafts.size()));
         Draft& draft = drafts[i];
         if (i < kMostEscaping) escape(draft, picture);
         follow(draft, picture, kPasses[2]);
@@ -255,8 +301,38 @@ std::vector<Draft> drafts_of(const Picture& picture, const Watch& watch) {
     thin_out(drafts, 0.015, kMostCandidates, size);
     drop_nested(drafts);
     for (Draft& draft : drafts) judge(draft, picture);
-    sort_by_confidence(drafts);
+    sort_by_score(drafts);
     return drafts;
+}
+
+/// What is known of an outline of which only single edges' scatter is.
+ShapeCovariance rough_covariance(const Draft& draft) {
+    // One independent edge every four pixels of the rim that shows.
+    const double r = radius(draft.outline), shown = std::max(draft.rim.visible, 0.05);
+    const double count = std::max(5.0, shown * 2 * std::numbers::pi * r / 4);
+    const double variance = std::pow(std::max(draft.rim.scatter, 0.3), 2) / (count * shown);
+    ShapeCovariance c{};
+    c[0][0] = c[1][1] = 2 * variance;
+    c[2][2] = variance;
+    c[3][3] = c[4][4] = 2 * variance / (r * r);
+    return c;
+}
+
+OutlineDeviation deviation_of(const Outline& o, const ShapeCovariance& c) {
+    const double r = radius(o), e = (o.a - o.b) / (o.a + o.b);
+    const double twice = 2 * o.angle * std::numbers::pi / 180;
+    const double cos2 = std::cos(twice), sin2 = std::sin(twice);
+    const auto deviation = [&](const std::array<double, 5>& u) {
+        double sum = 0;
+        for (std::size_t i = 0; i < 5; ++i)
+            for (std::size_t j = 0; j < 5; ++j) sum += u[i] * c[i][j] * u[j];
+        return std::sqrt(std::max(sum, 0.0));
+    };
+    const double across = deviation({0, 0, 0, -sin2, cos2});
+    constexpr double kAnyAngle = 51.96;  // 180 / sqrt(12)
+    const double angle = across < 2 * e ? 90 / std::numbers::pi * across / e : kAnyAngle;
+    return {std::sqrt(c[0][0]), std::sqrt(c[1][1]), deviation({0, 0, 1 + e, r * cos2, r * sin2}),
+            deviation({0, 0, 1 - e, -r * cos2, -r * sin2}), std::min(angle, kAnyAngle)};
 }
 
 }  // namespace
@@ -266,23 +342,34 @@ std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& optio
     watch.check();
     const Size size = photo.window.size;
     if (std::min(size.width, size.height) < 16) return {};  // no ball of 12 pixels' radius shows
-    Picture picture{grey_of(photo), {}, lens_of(photo, options)};
+    const Lens lens = lens_of(photo, options);
+    Lens hint = lens;
+    hint.known = false;
+    Picture picture{grey_of(photo), {}, hint, lens};
     picture.levels = pyramid(picture.grey.pixels, kFinestLevel);
 
     std::vector<Candidate> balls;
-    for (Draft& draft : drafts_of(picture, watch)) {
+    for (Draft& draft : drafts_of(picture, photo, options, watch)) {
         watch.check();
-        if (draft.confidence < kWorthTelling && !balls.empty()) break;
+        if (draft.score < kWorthTelling && !balls.empty()) break;
         follow_finely(draft, picture);
+        if (draft.score >= kWorthSettling) settle_edge(draft, picture);
+        if (!wanted(draft.outline, photo, options, 0.01)) continue;
         Candidate ball;
         ball.outline = draft.outline;
+        ball.deviation =
+            deviation_of(ball.outline, draft.covariance.value_or(rough_covariance(draft)));
         ball.outline.cx += photo.window.x;
         ball.outline.cy += photo.window.y;
-        ball.confidence = draft.confidence;
+        ball.confidence = confidence_of(draft.score, draft.evidence);
         ball.visible_rim = draft.rim.visible;
         ball.rim_blur = draft.rim.blur;
         balls.push_back(ball);
     }
+    std::stable_sort(balls.begin(), balls.end(), [](const Candidate& a, const Candidate& b) {
+        return a.confidence > b.confidence;
+    });
+    tell(watch, 1);
     return balls;
 }
 

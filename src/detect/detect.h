@@ -16,12 +16,23 @@ namespace chromeball {
 struct DetectOptions {
     double threshold = 0.5;        ///< confidence from which on a candidate counts as found
     std::optional<Camera> camera;  ///< with a focal length: the rim is fitted as a cone, 3 unknowns
+    /// A place inside the ball wanted, upright display-window pixels; balls elsewhere are left out.
+    std::optional<V2d> near = std::nullopt;
+    /// Least and greatest radius of the ball wanted, pixels; others are left out.
+    std::optional<std::array<double, 2>> radius_range = std::nullopt;
+};
+
+/// Standard deviations of an outline's numbers, of one with the others unknown.
+struct OutlineDeviation {
+    double cx = 0, cy = 0, a = 0, b = 0;  ///< pixels
+    double angle = 0;  ///< degrees; a near circle's angle is as good as unknown: 52 at most
 };
 
 /// One ball that may be there.
 struct Candidate {
-    Outline outline;         ///< upright display-window pixels
-    double confidence = 0;   ///< 0 to 1
+    Outline outline;  ///< upright display-window pixels
+    OutlineDeviation deviation = {};
+    double confidence = 0;   ///< 0 to 1: probability that it is a mirror ball, outline within 2 %
     double visible_rim = 0;  ///< part of the rim on which an edge was found, 0 to 1
     double rim_blur = 0;     ///< standard deviation of the edge's blur across the rim, pixels
 };
@@ -29,6 +40,7 @@ struct Candidate {
 /// The mirror balls of a photo, best first, at most eight; empty where nothing round was found at
 /// all. Whether the first one counts is for the caller to say: confidence >= options.threshold.
 ///
+/// With options.near or radius_range only balls that hold the place and have such a radius.
 /// Works on the photo's pixels as stored (integers) or tone-compressed (floats). Throws Error of
 /// kind `interrupted`.
 std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& options = {},

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/image.h"
@@ -26,6 +28,21 @@ private:
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width);
     }
 };
+
+/// Bilinear; NaN outside the picture.
+template <class T, class Value>
+float sample(const Raster<T>& picture, double x, double y, const Value& value) {
+    const auto [w, h] = picture.size;
+    if (!(x >= 0 && y >= 0 && x <= w && y <= h)) return std::numeric_limits<float>::quiet_NaN();
+    const double fx = std::clamp(x - 0.5, 0.0, w - 1.0), fy = std::clamp(y - 0.5, 0.0, h - 1.0);
+    const int x0 = std::min(static_cast<int>(fx), std::max(0, w - 2));
+    const int y0 = std::min(static_cast<int>(fy), std::max(0, h - 2));
+    const int x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
+    const auto u = static_cast<float>(fx - x0), v = static_cast<float>(fy - y0);
+    const T *top = picture.row(y0), *bottom = picture.row(y1);
+    return (1 - v) * ((1 - u) * value(top[x0]) + u * value(top[x1])) +
+           v * ((1 - u) * value(bottom[x0]) + u * value(bottom[x1]));
+}
 
 /// The photo as detection looks at it: one channel, 16 bits, tone-compressed so that bright and
 /// dark parts have edges alike.

@@ -10,62 +10,7 @@
 namespace chromeball::detecting {
 namespace {
 
-constexpr float kOutside = std::numeric_limits<float>::quiet_NaN();
-constexpr double kTau = 2 * std::numbers::pi;
-
-/// An outline in the form that a linear step can change: (e1, e2) is the ellipticity (a-b)/(a+b)
-/// times the double angle of the long axis, so that a circle is no special case.
-struct Shape {
-    double x, y, radius, e1, e2;
-};
-
-Shape shape_of(const Outline& o) {
-    const double e = (o.a - o.b) / (o.a + o.b), twice = 2 * o.angle * std::numbers::pi / 180;
-    return {o.cx, o.cy, 0.5 * (o.a + o.b), e * std::cos(twice), e * std::sin(twice)};
-}
-
-Outline outline_of(const Shape& s) {
-    const double e = std::min(std::hypot(s.e1, s.e2), 0.5);
-    double degrees = 90 / std::numbers::pi * std::atan2(s.e2, s.e1);
-    if (degrees < 0) degrees += 180;
-    if (degrees >= 180 || e == 0) degrees = 0;
-    return {s.x, s.y, s.radius * (1 + e), s.radius * (1 - e), degrees};
-}
-
-/// A point of the rim, its outward normal and its direction from the centre.
-struct Ray {
-    double x, y, nx, ny, cos2, sin2;
-};
-
-std::vector<Ray> rays_of(const Outline& o, int count) {
-    std::vector<Ray> rays;
-    const double c = std::cos(o.angle * std::numbers::pi / 180);
-    const double s = std::sin(o.angle * std::numbers::pi / 180);
-    for (int i = 0; i < count; ++i) {
-        const double t = kTau * (i + 0.5) / count, ct = std::cos(t), st = std::sin(t);
-        const double px = c * o.a * ct - s * o.b * st, py = s * o.a * ct + c * o.b * st;
-        const double nx = c * ct / o.a - s * st / o.b, ny = s * ct / o.a + c * st / o.b;
-        const double n = std::hypot(nx, ny), p2 = px * px + py * py;
-        rays.push_back(
-            {o.cx + px, o.cy + py, nx / n, ny / n, (px * px - py * py) / p2, 2 * px * py / p2});
-    }
-    return rays;
-}
-
-/// Bilinear; NaN outside the picture.
-template <class T, class Value>
-float sample(const Raster<T>& picture, double x, double y, const Value& value) {
-    const auto [w, h] = picture.size;
-    if (!(x >= 0 && y >= 0 && x <= w && y <= h)) return kOutside;
-    const double fx = std::clamp(x - 0.5, 0.0, w - 1.0), fy = std::clamp(y - 0.5, 0.0, h - 1.0);
-    const int x0 = std::min(static_cast<int>(fx), std::max(0, w - 2));
-    const int y0 = std::min(static_cast<int>(fy), std::max(0, h - 2));
-    const int x1 = std::min(x0 + 1, w - 1), y1 = std::min(y0 + 1, h - 1);
-    const auto u = static_cast<float>(fx - x0), v = static_cast<float>(fy - y0);
-    const T *top = picture.row(y0), *bottom = picture.row(y1);
-    return (1 - v) * ((1 - u) * value(top[x0]) + u * value(top[x1])) +
-           v * ((1 - u) * value(bottom[x0]) + u * value(bottom[x1]));
-}
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// The surroundings of an outline unrolled: a row a ray, from inside to outside.
 struct Strip {
@@ -210,30 +155,6 @@ Peaks peaks_of(const Strip& strip, const RimSearch& search, double least) {
     const double length = known * strip.step;
     if (length > 0) peaks.per_pixel = count / length, peaks.strong_per_pixel = strong / length;
     return peaks;
-}
-
-/// Ellipticity that the lens gives an outline there, and how far from it one may be, along the
-/// line from the principal point and across it.
-struct ShapePrior {
-    double e1, e2, along, across, cos2, sin2;
-};
-
-/// With lengths in focal lengths, c from the principal point to the ellipse's centre and b its
-/// smaller axis, a cone's outline has (a / b)^2 = 1 + c^2 / (1 + b^2), and points to the principal
-/// point (from the cone's semi-axes and centre, eliminating both angles).
-ShapePrior prior_at(const Shape& s, const Lens& lens) {
-    const double dx = s.x - lens.principal_x, dy = s.y - lens.principal_y;
-    const double c2 = (dx * dx + dy * dy) / (lens.focal * lens.focal);
-    const double b = s.radius / lens.focal, ratio = std::sqrt(1 + c2 / (1 + b * b));
-    const double e = (ratio - 1) / (ratio + 1);
-    const double angle = 2 * std::atan2(dy, dx);
-    ShapePrior prior{e * std::cos(angle), e * std::sin(angle), 0, 0,
-                     std::cos(angle),     std::sin(angle)};
-    // A known camera leaves rounding only. An unknown one may be longer or wider than usual, or the
-    // picture cropped.
-    prior.along = lens.known ? 1e-5 : 0.004 + 1.2 * e;
-    prior.across = lens.known ? 1e-5 : 0.0015 + 0.06 * e;
-    return prior;
 }
 
 using Vector5 = cv::Matx<double, 5, 1>;
@@ -383,7 +304,7 @@ Rim fitted(const Raster<T>& picture, const Outline& start, const RimSearch& sear
                                    base.e1 + change(3), base.e2 + change(4)});
     const double near = 2 * search.tight;
     std::vector<bool> edge(strip.rays.size()), clear(strip.rays.size());
-    std::vector<double> edge_at(strip.rays.size(), kOutside);
+    std::vector<double> edge_at(strip.rays.size(), kUnknown);
     double squares = 0, strength = 0;
     int seen = 0, hits = 0, strong = 0;
     for (std::size_t r = 0; r < strip.rays.size(); ++r) {

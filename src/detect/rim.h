@@ -4,20 +4,9 @@
 
 #include "core/outline.h"
 #include "detect/grey.h"
+#include "detect/shape.h"
 
 namespace chromeball::detecting {
-
-/// What the camera says of the shape of an outline, in the pixels of the picture that is fitted.
-struct Lens {
-    double focal = 0;
-    double principal_x = 0;
-    double principal_y = 0;
-    bool known = false;  ///< else focal is what is usual, and only a soft hint
-
-    Lens scaled(double sx, double sy) const {
-        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known};
-    }
-};
 
 /// How a rim is looked for around a first outline.
 struct RimSearch {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "detect/detect.h"
@@ -86,10 +87,13 @@ TEST(FindBalls, AFlippedPictureHasTheFlippedOutline) {
 TEST(FindBalls, CoordinatesAreThoseOfTheDisplayWindow) {
     const Scene scene;
     Photo photo = camera_photo(street_light(), scene.size);
-    const Outline at_corner = best_of(photo).outline;
+    // The camera moves along; where its axis meets the picture has a say in the outline.
+    Camera camera = scene.camera;
+    const Outline at_corner = best_of(photo, {.camera = camera}).outline;
     photo.window.x = 100;
     photo.window.y = -40;
-    const Outline moved = best_of(photo).outline;
+    camera.principal += V2d(100, -40);
+    const Outline moved = best_of(photo, {.camera = camera}).outline;
     EXPECT_NEAR(moved.cx, at_corner.cx + 100, 0.2);
     EXPECT_NEAR(moved.cy, at_corner.cy - 40, 0.2);
 }
@@ -179,6 +183,35 @@ TEST(FindBalls, CandidatesComeBestFirstAndAreFew) {
     EXPECT_LE(balls.size(), 8u);
     for (std::size_t i = 1; i < balls.size(); ++i)
         EXPECT_LE(balls[i].confidence, balls[i - 1].confidence);
+}
+
+TEST(FindBalls, NearAndRadiusRangeLeaveTheOthersOut) {
+    const Scene scene;
+    const Photo photo = camera_photo(street_light(), scene.size);
+    const Outline truth = scene.outline();
+    DetectOptions here, elsewhere, sized, smaller;
+    here.near = V2d(truth.cx + 0.5 * truth.b, truth.cy);
+    elsewhere.near = V2d(truth.cx + 1.3 * truth.b, truth.cy);
+    sized.radius_range = {{0.9 * truth.b, 1.1 * truth.a}};
+    smaller.radius_range = {{10, 0.8 * truth.b}};
+    expect_outline(best_of(photo, here), truth, 0.01);
+    expect_outline(best_of(photo, sized), truth, 0.01);
+    EXPECT_LT(best_of(photo, elsewhere).confidence, 0.5);
+    for (const Candidate& ball : find_balls(photo, smaller))
+        EXPECT_LE(ball.outline.b, 0.81 * truth.b);
+}
+
+TEST(FindBalls, DeviationsAreOfTheErrorsSize) {
+    const Scene scene;
+    const Candidate ball = best_of(camera_photo(street_light(), scene.size));
+    const Outline truth = scene.outline();
+    for (const double d :
+         {ball.deviation.cx, ball.deviation.cy, ball.deviation.a, ball.deviation.b}) {
+        EXPECT_GT(d, 0.005);
+        EXPECT_LT(d, 1);
+    }
+    EXPECT_LT(std::abs(ball.outline.cx - truth.cx), 6 * ball.deviation.cx + 0.2);
+    EXPECT_LT(std::abs(ball.outline.a - truth.a), 6 * ball.deviation.a + 0.2);
 }
 
 // Round things that mirror nothing.
