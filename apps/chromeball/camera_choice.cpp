@@ -25,6 +25,18 @@ void check_one_lens(const PhotoOptions& o) {
                     "sensor is called full frame)");
 }
 
+/// The lens' radial terms, which count in focal lengths.
+Distortion lens_distortion(const PhotoOptions& o, const CameraChoice& choice) {
+    const Distortion lens{o.k1, o.k2, o.k3};
+    if (lens.none()) return choice.camera.distortion;
+    if (choice.camera.orthographic())
+        throw Error(
+            Error::Kind::usage,
+            "--k1, --k2 and --k3 need the focal length in pixels: give --focal-px, --focal-mm "
+            "with --sensor-mm, or --hfov");
+    return lens;
+}
+
 }  // namespace
 
 CameraChoice choose_camera(const PhotoOptions& o, const Photo& photo) {
@@ -46,17 +58,25 @@ CameraChoice choose_camera(const PhotoOptions& o, const Photo& photo) {
     } else if (o.distance_radii) {
         choice.distance = o.distance_radii;
         choice.source = "--distance-radii";
-    } else if (const auto facts = camera_from_metadata(photo.metadata, photo.display)) {
+    } else if (const auto facts =
+                   camera_from_metadata(photo.metadata, photo.display, sensors_with(o.sensors))) {
         choice.camera = facts->camera;
         choice.source = facts->source;
     } else {
         choice.source = "orthographic";
         choice.told = false;
+        if (cropped_since(photo.metadata, photo.display))
+            choice.note = fmt::format(
+                "{}: EXIF tells the lens, but of another picture: this one was cropped since, so "
+                "its "
+                "scale and middle are not known",
+                photo.name);
     }
     if (o.principal) {
         const auto p = parse_numbers("--principal", *o.principal, {2}, "X,Y");
         choice.camera.principal = V2d(p[0], p[1]);
     }
+    choice.camera.distortion = lens_distortion(o, choice);
     return choice;
 }
 

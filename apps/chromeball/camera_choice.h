@@ -16,6 +16,7 @@ struct CameraChoice {
     std::string source;
     std::optional<double>
         distance;      ///< --distance-radii: the focal length follows from the outline
+    std::string note;  ///< what the user should know of it; may be empty
     bool told = true;  ///< false: neither flags nor the file knew, so orthographic
 };
 

@@ -19,6 +19,7 @@
 #include "options.h"
 #include "photo_job.h"
 #include "resample/resample.h"
+#include "resample/residual.h"
 #include "version.h"
 
 namespace chromeball {
@@ -39,6 +40,15 @@ struct ConvertOptions {
     std::optional<std::string> camera_to_world;
     double yaw = 0, pitch = 0, roll = 0;
     std::optional<std::string> reflectance;
+    bool verify = false;
+    std::optional<std::string> verify_image;
+};
+
+/// The photo's ball as it is, to hold the map against.
+struct Evidence {
+    Image pixels;
+    Window region;  ///< of the photo, that `pixels` shows
+    MirrorBall ball;
 };
 
 /// What is turned into the output, and what is told about it.
@@ -47,6 +57,7 @@ struct Input {
     Rotation to_world;
     Provenance provenance;
     Metadata metadata;
+    std::optional<Evidence> evidence;  ///< with --verify
 };
 
 void undo_reflectance(Image& pixels, const std::string& text) {
@@ -130,7 +141,26 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
     input.provenance.outline = ball.outline();
     input.provenance.camera = job.camera.camera;
     input.metadata = pass_through(job.photo.metadata);
+    if (o.verify) input.evidence = Evidence{std::move(pixels), region, ball};
     return input;
+}
+
+/// Paints the ball again from the map and tells how far it is from the photo.
+void verify(const ConvertOptions& o, const Evidence& evidence, const Image& map,
+            const Layout& layout, const Rotation& rotation, const Console& console) {
+    const Image painted = render_ball(map_source(map, layout), evidence.ball, evidence.region,
+                                      rotation, console.watch("verifying"));
+    const Residual residual = residual_of(evidence.pixels, painted);
+    print_message(
+        fmt::format("{}: painted again from the map the ball is off by {:.3f} stops in the median, "
+                    "{:.3f} stops at 95 % of its {} pixels\n",
+                    o.input, residual.median_stops, residual.p95_stops, residual.pixels));
+    if (!o.verify_image) return;
+    WriteOptions write;
+    write.format =
+        *format_from_extension(std::filesystem::path(*o.verify_image).extension().string());
+    write.bits = 8;
+    write_image(*o.verify_image, residual.picture.view(), write);
 }
 
 Input map_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
@@ -182,6 +212,18 @@ void check_display(const ConvertOptions& o, const OutputPlan& plan, const ColorC
 /// What was typed wrong about the input, before it is read.
 void check_input(const ConvertOptions& o) {
     told_rotation(o);
+    if (o.verify_image) {
+        if (!format_from_extension(std::filesystem::path(*o.verify_image).extension().string()))
+            throw Error(Error::Kind::usage,
+                        fmt::format("--verify-image {}: name a .png, .jpg, .tif or .exr file",
+                                    *o.verify_image));
+        check_target(*o.verify_image);
+        check_not_input(*o.verify_image, o.input);
+    }
+    if (o.verify && (o.from != "photo" || o.photo.cropped))
+        throw Error(Error::Kind::usage,
+                    "--verify holds the map against the whole photo of a ball; it does not go with "
+                    "--from or --cropped");
     if (o.from == "photo") return;
     if (!find_layout(o.from)) throw Error(Error::Kind::usage, unknown_shape(o.from));
     if (o.photo.ball || o.photo.ellipse || o.photo.cropped)
@@ -198,8 +240,10 @@ EnvmapKind envmap_kind(const Layout& layout, bool turned_away) {
     return layout.name == "openexr" ? EnvmapKind::cube : EnvmapKind::none;
 }
 
-void report_write(const Console& console, const OutputPlan& plan, const WriteReport& report) {
-    if (report.clamped > 0)
+void report_write(const Console& console, const OutputPlan& plan, const WriteReport& report,
+                  bool displayed) {
+    // A display ends at white; that a picture for it does too is no news.
+    if (report.clamped > 0 && !displayed)
         console.warn(fmt::format(
             "{}: {} values above what the format holds were clamped{}", plan.path, report.clamped,
             plan.format == FileFormat::exr ? " to 65504; --float keeps them" : ""));
@@ -232,6 +276,7 @@ void run_convert(const ConvertOptions& o) {
     how.rotation = axes * to_output;
     const int size = o.size.value_or(natural_size(input.source, *plan.layout));
     Image map = resample(input.source, *plan.layout, size, how, console.watch("converting"));
+    if (input.evidence) verify(o, *input.evidence, map, *plan.layout, how.rotation, console);
     const std::string space = encode(map, o, plan, colors);
 
     WriteOptions write;
@@ -251,7 +296,7 @@ void run_convert(const ConvertOptions& o) {
     console.watch("").check();
     WriteReport report;
     const auto files = write_map(plan, map, write, report);
-    report_write(console, plan, report);
+    report_write(console, plan, report, o.display || o.view);
     console.say(fmt::format("{}: {} --size {} ({}x{} pixels), colour space {}", plan.path,
                             plan.layout->name, size, map.width(), map.height(), space));
 }
@@ -315,6 +360,19 @@ void add_convert(CLI::App& app) {
     command->add_option("--view", o->view, "... through this view, such as \"ACES SDR\"")
         ->type_name("NAME")
         ->group("Colour");
+    const std::string check = "Check";
+    command
+        ->add_flag(
+            "--verify", o->verify,
+            "Paint the ball again from the map and tell how far it is from the photo, in stops")
+        ->group(check);
+    command
+        ->add_option(
+            "--verify-image", o->verify_image,
+            "... and write where: red where the painted ball is brighter, blue where it is "
+            "darker; a wrong outline or camera shows as rings")
+        ->type_name("FILE.png")
+        ->group(check);
     command
         ->add_option("--reflectance", o->reflectance,
                      "What the mirror gives back, 0 to 1; divided out")
@@ -352,7 +410,10 @@ void add_convert(CLI::App& app) {
         "  chromeball convert plate.jpg --ball 812,540.5,202 --for blender --size 1024 -o "
         "probe.exr\n"
         "  chromeball convert probe.exr --from latlong --layout cross-h -o cross.exr");
-    command->callback([o] { run_convert(*o); });
+    command->callback([o] {
+        o->verify = o->verify || o->verify_image;
+        run_convert(*o);
+    });
 }
 
 }  // namespace chromeball

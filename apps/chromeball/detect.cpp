@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/parallel.h"
+#include "detect/contact_sheet.h"
 #include "io/facts.h"
 #include "io/write.h"
 #include "map_files.h"
@@ -34,6 +35,8 @@ struct DetectCommand {
     std::optional<std::string> overlay;
     std::optional<std::string> crop;
     std::optional<int> crop_size;
+    std::optional<std::string> contact_sheet;
+    bool all = false;
     bool json_lines = false;
     bool json = false;
 };
@@ -82,17 +85,22 @@ Image as_image(const Photo& photo) {
     return image;
 }
 
-void write_overlay(const DetectCommand& o, const PhotoJob& job, bool several) {
+/// The photo with the ball drawn on it, with --all every candidate.
+Photo drawn_overlay(const DetectCommand& o, const PhotoJob& job) {
     std::vector<Candidate> shown;
     if (job.ball.candidate)
         shown.push_back(*job.ball.candidate);
     else if (job.ball.found)
-        shown.push_back({job.ball.outline, 1, 1, 0});
-    const std::string path = picture_path(*o.overlay, job.photo.name, several, ".png");
+        shown.push_back({job.ball.outline, {}, 1, 1, 0});
+    if (o.all) shown.insert(shown.end(), job.ball.others.begin(), job.ball.others.end());
+    return overlay(job.photo, shown, o.photo.threshold);
+}
+
+void write_picture(const std::string& path, const Photo& picture) {
     WriteOptions write;
     write.format = picture_format(path);
     write.bits = 8;
-    write_image(path, as_image(overlay(job.photo, shown, o.photo.threshold)).view(), write);
+    write_image(path, as_image(picture).view(), write);
 }
 
 void write_crop(const DetectCommand& o, const PhotoJob& job, const MirrorBall& ball,
@@ -134,9 +142,16 @@ void write_safely(DetectReport& report, const std::function<void()>& write) {
     }
 }
 
-DetectReport look_at(const std::string& path, const DetectCommand& o, const ColorConfig* colors) {
-    const bool several = o.photos.size() > 1;
+/// What became of a photo, and its place on the contact sheet.
+struct Looked {
     DetectReport report;
+    SheetEntry entry;
+};
+
+Looked look_at(const std::string& path, const DetectCommand& o, const ColorConfig* colors) {
+    const bool several = o.photos.size() > 1;
+    Looked looked;
+    DetectReport& report = looked.report;
     report.photo = path;
     PhotoJob job = open_photo(path, o.photo, {&stop_requested(), nullptr});
     report.size = job.photo.display;
@@ -158,22 +173,38 @@ DetectReport look_at(const std::string& path, const DetectCommand& o, const Colo
     }
     report.camera = job.camera;
     report.warnings = job.warnings;
-    if (o.overlay) write_safely(report, [&] { write_overlay(o, job, several); });
-    return report;
+    if (job.ball.candidate) {
+        if (job.ball.found) report.deviation = job.ball.candidate->deviation;
+        if (o.all) {
+            report.candidates = job.ball.others;
+            report.candidates.insert(report.candidates.begin(), *job.ball.candidate);
+        }
+    }
+    if (!o.overlay && !o.contact_sheet) return looked;
+    const Photo drawn = drawn_overlay(o, job);
+    if (o.overlay)
+        write_safely(
+            report, [&] { write_picture(picture_path(*o.overlay, path, several, ".png"), drawn); });
+    if (o.contact_sheet)
+        looked.entry = {
+            thumbnail(drawn),
+            fmt::format("{} {:.2f}", fs::path(path).filename().string(), report.confidence),
+            report.found};
+    return looked;
 }
 
 /// A photo that cannot be read is an answer; what the user typed wrong is not.
-DetectReport look_safely(const std::string& path, const DetectCommand& o,
-                         const ColorConfig* colors) {
+Looked look_safely(const std::string& path, const DetectCommand& o, const ColorConfig* colors) {
     try {
         return look_at(path, o, colors);
     } catch (const Error& e) {
         if (e.kind() != Error::Kind::failed) throw;
-        DetectReport report;
-        report.photo = path;
-        report.readable = false;
-        report.reason = e.what();
-        return report;
+        Looked looked;
+        looked.report.photo = path;
+        looked.report.readable = false;
+        looked.report.reason = e.what();
+        looked.entry = {{}, fs::path(path).filename().string() + " unreadable", false};
+        return looked;
     }
 }
 
@@ -197,12 +228,20 @@ void run_detect(const DetectCommand& o) {
     std::optional<ColorConfig> colors;  // only cropping needs colours
     if (o.crop) colors = ColorConfig::load(o.color.ocio);
 
+    if (o.contact_sheet) {
+        picture_format(*o.contact_sheet);
+        check_target(*o.contact_sheet);
+        for (const std::string& photo : o.photos) check_not_input(*o.contact_sheet, photo);
+    }
     std::vector<DetectReport> reports(o.photos.size());
+    std::vector<SheetEntry> entries(o.photos.size());
     for_each_band(
         static_cast<int>(o.photos.size()), 1,
         [&](int i, int) {
-            reports[static_cast<std::size_t>(i)] =
-                look_safely(o.photos[static_cast<std::size_t>(i)], o, colors ? &*colors : nullptr);
+            const auto at = static_cast<std::size_t>(i);
+            Looked looked = look_safely(o.photos[at], o, colors ? &*colors : nullptr);
+            reports[at] = std::move(looked.report);
+            entries[at] = std::move(looked.entry);
         },
         several ? console.watch("searching") : Watch{&stop_requested(), nullptr});
 
@@ -212,6 +251,7 @@ void run_detect(const DetectCommand& o) {
         if (!report.unwritten.empty()) print_message(fmt::format("error: {}\n", report.unwritten));
     }
     print_result(to_json(reports, o.json_lines));
+    if (o.contact_sheet) write_picture(*o.contact_sheet, contact_sheet(entries));
     for (const DetectReport& report : reports)
         if (report.readable && !report.found) console.say(report.reason);
     if (const int status = status_of(reports)) throw CLI::RuntimeError(status);
@@ -236,6 +276,11 @@ void add_detect(CLI::App& app) {
         ->add_option("--crop-size", o->crop_size,
                      "Side of the crop, pixels (default: the ball's diameter)")
         ->check(CLI::Range(16, 16384));
+    command
+        ->add_option("--contact-sheet", o->contact_sheet,
+                     "All photos with their outlines and confidence on one picture")
+        ->type_name("FILE.png");
+    command->add_flag("--all", o->all, "List and draw every candidate, best first");
     command->add_flag("--json-lines", o->json_lines, "One object a line instead of an array");
     command->add_flag("--json", o->json, "JSON is what detect prints anyway");
     add_photo_options(*command, o->photo);
@@ -246,7 +291,7 @@ void add_detect(CLI::App& app) {
         "could.\n"
         "Examples:\n"
         "  chromeball detect plate.jpg --overlay look.png\n"
-        "  chromeball detect *.jpg --json-lines --overlay overlays");
+        "  chromeball detect *.jpg --json-lines --contact-sheet sheet.png");
     command->callback([o] { run_detect(*o); });
 }
 

@@ -67,6 +67,14 @@ void add_photo_options(CLI::App& command, PhotoOptions& options) {
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str()
         ->group(ball);
+    command.add_option("--near", options.near, "Of several balls the one that holds this place")
+        ->type_name("X,Y")
+        ->group(ball);
+    command
+        .add_option("--radius-range", options.radius_range,
+                    "Least and greatest radius to look for, pixels")
+        ->type_name("MIN,MAX")
+        ->group(ball);
     command.add_option("--max-pixels", options.max_pixels, "Refuse larger pictures")
         ->check(CLI::PositiveNumber)
         ->capture_default_str()
@@ -104,6 +112,19 @@ void add_photo_options(CLI::App& command, PhotoOptions& options) {
         .add_option("--principal", options.principal,
                     "Where the optical axis meets the photo (default: its middle)")
         ->type_name("X,Y")
+        ->group(camera);
+    const auto term = [&](const char* name, double& value, const char* help) {
+        command.add_option(name, value, help)->capture_default_str()->group(camera);
+    };
+    term("--k1", options.k1,
+         "Radial lens distortion as OpenCV (Brown) has it; needs a focal length");
+    term("--k2", options.k2, "... of r^4");
+    term("--k3", options.k3, "... of r^6");
+    command
+        .add_option("--sensors", options.sensors,
+                    "Table of your own sensors, for EXIF with a focal length and no more: lines "
+                    "make,model,width,height with mm")
+        ->type_name("FILE.csv")
         ->group(camera);
     command
         .add_option("--camera-axes", options.camera_axes, "Axes of worldToCamera in EXR metadata")

@@ -27,6 +27,8 @@ struct PhotoOptions {
     std::optional<std::string> ellipse;
     bool cropped = false;
     double threshold = 0.5;
+    std::optional<std::string> near;  ///< of several balls the one that holds this place
+    std::optional<std::string> radius_range;
 
     std::optional<double> focal_mm;
     std::optional<double> sensor_mm;
@@ -35,6 +37,8 @@ struct PhotoOptions {
     std::optional<double> distance_radii;
     bool orthographic = false;
     std::optional<std::string> principal;
+    double k1 = 0, k2 = 0, k3 = 0;  ///< radial distortion
+    std::optional<std::string> sensors;
     std::string camera_axes = "opengl";
 
     std::int64_t max_pixels = 400'000'000;

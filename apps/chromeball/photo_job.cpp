@@ -47,6 +47,13 @@ V2d beyond_edges(const Outline& e, Size picture) {
 }
 
 void check_inside(const Outline& e, const Photo& photo, const std::string& option) {
+    // Far more than a close-up of a part of a ball; what is typed so is a slip.
+    const double most = 100.0 * std::max(photo.display.width, photo.display.height);
+    if (e.a > most || e.b < 0.5)
+        refuse(
+            fmt::format("{}: {} is no ball in a picture of {}x{} pixels: its radius must be from "
+                        "half a pixel to 100 times the picture",
+                        photo.name, option, photo.display.width, photo.display.height));
     const V2d beyond = beyond_edges(e, photo.display);
     const Window window = needed_window(e, photo.window);
     if (beyond.x < 1 && beyond.y < 1 && window.size.width > 0 && window.size.height > 0) return;
@@ -77,7 +84,10 @@ void adopt_camera_of_crop(PhotoJob& job, const PhotoOptions& options) {
     const auto past = provenance_from(job.photo.metadata);
     const bool whole_known = past && past->outline && job.ball.outline == *past->outline;
     if (!whole_known) {
-        if (!job.camera.told) job.camera = {job.camera.camera, "--cropped: orthographic", {}, true};
+        if (!job.camera.told) {
+            job.camera.source = "--cropped: orthographic";
+            job.camera.told = true;
+        }
         return;
     }
     if (!past->camera) return;
@@ -85,6 +95,7 @@ void adopt_camera_of_crop(PhotoJob& job, const PhotoOptions& options) {
     if (!options.principal) camera.principal = past->camera->principal;
     if (!job.camera.told && past->camera->focal) {
         camera.focal = past->camera->focal;
+        camera.distortion = past->camera->distortion;
         job.camera.source = "noted in the crop";
         job.camera.told = true;
     }
@@ -105,12 +116,26 @@ FoundBall searched_ball(const Photo& photo, const CameraChoice& camera, const Ph
                         const Watch& watch) {
     DetectOptions search;
     search.threshold = options.threshold;
-    if (!camera.camera.orthographic()) search.camera = camera.camera;
+    // Seen through a lens that distorts, the rim is no cone's ellipse: it is fitted freely then.
+    if (!camera.camera.orthographic() && camera.camera.distortion.none())
+        search.camera = camera.camera;
+    if (options.near) {
+        const auto n = parse_numbers("--near", *options.near, {2}, "X,Y");
+        search.near = V2d(n[0], n[1]);
+    }
+    if (options.radius_range) {
+        const auto n = parse_numbers("--radius-range", *options.radius_range, {2}, "MIN,MAX");
+        if (!(n[0] >= 0 && n[1] > n[0]))
+            refuse(fmt::format("--radius-range {}: expected MIN,MAX with 0 <= MIN < MAX",
+                               *options.radius_range));
+        search.radius_range = {n[0], n[1]};
+    }
     FoundBall ball;
     ball.how = "found";
     const auto candidates = find_balls(photo, search, watch);
     if (candidates.empty()) return ball;
     ball.candidate = candidates.front();
+    ball.others.assign(candidates.begin() + 1, candidates.end());
     ball.outline = candidates.front().outline;
     ball.found = candidates.front().confidence >= options.threshold;
     return ball;
@@ -150,6 +175,7 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
                             "stays empty (alpha 0)",
                             path));
     }
+    if (!job.camera.note.empty() && job.ball.found) job.warnings.push_back(job.camera.note);
     if (!job.camera.told && job.ball.found)
         job.warnings.push_back(
             fmt::format("{}: the focal length is not known, the camera is taken as infinitely far "

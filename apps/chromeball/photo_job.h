@@ -20,6 +20,7 @@ struct FoundBall {
     bool found = false;
     Outline outline;  ///< pixels of the photo that was taken (not of a crop of it)
     std::optional<Candidate> candidate;  ///< when searched: the best one, found or not
+    std::vector<Candidate> others;       ///< the others, best first
     Affine to_pixels;                    ///< from those pixels to the photo's display window
     std::string how;                     ///< "found", "--ball", "--ellipse", "--cropped"
     bool circle_given = false;

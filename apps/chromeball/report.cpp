@@ -21,6 +21,27 @@ Json json_of(const Outline& e) {
             {"angle", pixels(e.angle)}};
 }
 
+Json json_of(const OutlineDeviation& d) {
+    return {{"cx", pixels(d.cx)},
+            {"cy", pixels(d.cy)},
+            {"a", pixels(d.a)},
+            {"b", pixels(d.b)},
+            {"angle", pixels(d.angle)}};
+}
+
+Json json_of(const Candidate& c) {
+    return {{"confidence", rounded(c.confidence, 1e4)},
+            {"outline", json_of(c.outline)},
+            {"outline_deviation", json_of(c.deviation)},
+            {"visible_rim", rounded(c.visible_rim, 1e4)}};
+}
+
+void add_candidates(Json& j, const DetectReport& r) {
+    if (r.candidates.empty()) return;
+    j["candidates"] = Json::array();
+    for (const Candidate& candidate : r.candidates) j["candidates"].push_back(json_of(candidate));
+}
+
 Json json_of(const DetectReport& r) {
     Json j{{"photo", r.photo},
            {"width", r.size.width},
@@ -30,6 +51,7 @@ Json json_of(const DetectReport& r) {
     if (!r.found) {
         j["reason"] = r.reason;
         j["warnings"] = r.warnings;
+        add_candidates(j, r);
         return j;
     }
     const Camera& camera = r.camera.camera;
@@ -37,6 +59,7 @@ Json json_of(const DetectReport& r) {
         return value ? Json(rounded(*value, 1e4)) : Json(nullptr);
     };
     j["outline"] = json_of(r.outline);
+    if (r.deviation) j["outline_deviation"] = json_of(*r.deviation);
     j["camera"] = {{"focal_px", or_null(camera.focal)},
                    {"principal", {pixels(camera.principal.x), pixels(camera.principal.y)}},
                    {"source", r.camera.source}};
@@ -46,6 +69,7 @@ Json json_of(const DetectReport& r) {
                  {"hidden_half_angle_degrees", rounded(r.hidden_half_angle_degrees, 1e4)}};
     j["visible_rim"] = rounded(r.visible_rim, 1e4);
     j["warnings"] = r.warnings;
+    add_candidates(j, r);
     return j;
 }
 

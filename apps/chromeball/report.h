@@ -23,6 +23,8 @@ struct DetectReport {
     std::optional<double> distance;
     double hidden_half_angle_degrees = 0;
     std::vector<std::string> warnings;
+    std::optional<OutlineDeviation> deviation;  ///< of the outline, when it was searched for
+    std::vector<Candidate> candidates;          ///< all, best first, when they are wanted (--all)
 };
 
 /// The contract's JSON: one object for one photo, an array for several, or an object a line.

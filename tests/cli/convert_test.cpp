@@ -403,5 +403,26 @@ TEST_F(Convert, OpenExrsOwnToolAgreesWithOurColumn) {
     EXPECT_LT(difference(read("back.exr"), latlong).worst, 0.04);
 }
 
+TEST(Verify, TellsHowFarTheBallPaintedAgainIsFromThePhoto) {
+    const TempFolder folder;
+    write_exr(folder / "ball.exr", ball_photo({200, 200}, distant_ball(100, 100, 80)));
+    const Outcome outcome =
+        run(folder, {"convert", "ball.exr", "--ball", "100,100,80", "--orthographic",
+                     "--verify-image", "residual.png", "-o", "probe.exr", "--quiet"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    ASSERT_TRUE(outcome.says("stops in the median")) << outcome.err;
+    // A smooth world comes back within a few thousandths of a stop.
+    const auto at = outcome.err.find("off by ") + 7;
+    EXPECT_LT(std::stod(outcome.err.substr(at)), 0.01) << outcome.err;
+    const Image residual = read_floats(folder / "residual.png");
+    const int middle = residual.width() / 2;
+    EXPECT_NEAR(residual.pixel(middle, middle)[0], 0.5, 0.02);  // grey: they agree
+    EXPECT_EQ(residual.pixel(0, 0)[0], 0);                      // black: no ball
+    expect_refusal(folder, {"convert", "probe.exr", "--from", "latlong", "--verify", "-o", "x.exr"},
+                   2, {"--verify", "--from"});
+    expect_refusal(folder, {"convert", "ball.exr", "--verify-image", "x.txt", "-o", "x.exr"}, 2,
+                   {"x.txt"});
+}
+
 }  // namespace
 }  // namespace chromeball

@@ -258,5 +258,60 @@ TEST_F(Detect, BallsInPhotographsAreFound) {
               std::string::npos);
 }
 
+TEST_F(Detect, AllListsEveryCandidateBestFirst) {
+    const Outcome outcome = run(folder, {"detect", "ball.png", "--all", "--overlay", "all.png"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json found = json::parse(outcome.out);
+    const json& candidates = found.at("candidates");
+    ASSERT_GE(candidates.size(), 1U);
+    EXPECT_EQ(candidates[0].at("outline"), found.at("outline"));
+    for (std::size_t i = 1; i < candidates.size(); ++i)
+        EXPECT_LE(candidates[i].at("confidence"), candidates[i - 1].at("confidence"));
+    EXPECT_GT(found.at("outline_deviation").at("cx"), 0);
+    EXPECT_LT(found.at("outline_deviation").at("cx"), 3);
+    EXPECT_TRUE(exists(folder / "all.png"));
+    EXPECT_FALSE(json::parse(run(folder, {"detect", "ball.png"}).out).contains("candidates"));
+}
+
+TEST_F(Detect, NearAndRadiusRangeSayWhichBallIsMeant) {
+    const auto outcomes = run_all(folder, {{"detect", "ball.png", "--near", "300,180"},
+                                           {"detect", "ball.png", "--near", "20,20"},
+                                           {"detect", "ball.png", "--radius-range", "60,120"},
+                                           {"detect", "ball.png", "--radius-range=150,300"}});
+    EXPECT_EQ(outcomes[0].status, 0) << outcomes[0].err;
+    EXPECT_EQ(outcomes[1].status, 4) << outcomes[1].out;
+    EXPECT_EQ(outcomes[2].status, 0) << outcomes[2].err;
+    EXPECT_EQ(outcomes[3].status, 4) << outcomes[3].out;
+    expect_refusal(folder, {"detect", "ball.png", "--near", "300"}, 2, {"--near 300", "X,Y"});
+    expect_refusal(folder, {"detect", "ball.png", "--radius-range", "90,20"}, 2,
+                   {"--radius-range 90,20", "MIN < MAX"});
+}
+
+TEST_F(Detect, AContactSheetShowsAllPhotosAndTheUnreadableToo) {
+    const Outcome outcome = run(
+        folder, {"detect", "ball.png", "wall.png", "notes.png", "--contact-sheet", "sheet.png"});
+    EXPECT_EQ(outcome.status, 3) << outcome.err;
+    const Image sheet = read_floats(folder / "sheet.png");
+    // Two rows of two cells of 360 x 240, a line of caption under each.
+    EXPECT_GT(sheet.width(), 2 * 360);
+    EXPECT_GT(sheet.height(), 2 * 264);
+    EXPECT_LT(sheet.height(), 3 * 264);
+    // The ball's cell holds its picture: 360 wide, so 202 high, in the middle of the cell.
+    EXPECT_GT(sheet.pixel(8 + 180, 8 + 120)[0] + sheet.pixel(8 + 180, 8 + 60)[0], 0.05F);
+    expect_refusal(folder, {"detect", "ball.png", "--contact-sheet", "ball.png"}, 2, {"ball.png"});
+    expect_refusal(folder, {"detect", "ball.png", "--contact-sheet", "sheet.txt"}, 2,
+                   {"sheet.txt"});
+}
+
+TEST_F(Detect, LensTermsNeedAFocalLength) {
+    expect_refusal(folder, {"detect", "ball.png", "--k1", "-0.1"}, 2, {"--k1", "--focal-px"});
+    const Outcome straight = run(folder, {"detect", "ball.png", "--focal-px", "900"});
+    const Outcome bent = run(folder, {"detect", "ball.png", "--focal-px", "900", "--k1=-0.3"});
+    ASSERT_EQ(bent.status, 0) << bent.err;
+    // Barrel distortion makes the ball look smaller than it is, so it is nearer.
+    EXPECT_LT(json::parse(bent.out).at("ball").at("distance_radii"),
+              json::parse(straight.out).at("ball").at("distance_radii"));
+}
+
 }  // namespace
 }  // namespace chromeball
