@@ -5,14 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
-#include <numbers>
 
 #include "core/error.h"
 #include "io/facts.h"
 #include "io/read.h"
 #include "map_files.h"
 #include "map_input.h"
+#include "resample/measure.h"
 
 namespace chromeball {
 namespace {
@@ -36,29 +35,6 @@ std::string_view type_name(PixelType type) {
             return "32-bit floats";
     }
     return "";
-}
-
-/// Whether all of a picture's parts that a layout leaves empty are black or transparent.
-bool empty_parts_are_empty(const Image& pixels, const Layout& layout) {
-    std::size_t empty = 0, dark = 0;
-    for (int y = 0; y < pixels.height(); y += std::max(1, pixels.height() / 256))
-        for (int x = 0; x < pixels.width(); x += std::max(1, pixels.width() / 256)) {
-            // Half a pixel and a bit away from what is filled.
-            const V2d p((x + 0.5) / pixels.width(), (y + 0.5) / pixels.height());
-            const double margin = 2.0 / pixels.width();
-            bool outside = true;
-            for (const auto& off : std::array{V2d(0, 0), V2d(margin, 0), V2d(-margin, 0),
-                                              V2d(0, margin), V2d(0, -margin)})
-                outside = outside &&
-                          std::visit([&](const auto& s) { return s.solid_angle(p + off) == 0; },
-                                     layout.projection);
-            if (!outside) continue;
-            ++empty;
-            const float* v = pixels.pixel(x, y);
-            dark += (pixels.channels() > 3 && v[3] == 0) ||
-                    (v[0] < 1e-3F && v[1] < 1e-3F && v[2] < 1e-3F);
-        }
-    return empty > 0 && dark == empty;
 }
 
 Guess guess_layout(const Photo& photo, const Image& pixels) {
@@ -95,37 +71,13 @@ Guess guess_layout(const Photo& photo, const Image& pixels) {
     return {nullptr, "none: a photo, by its shape"};
 }
 
-double luminance(const float* p) { return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]; }
-
-/// Range, mean and coverage; weighted by solid angle where the layout is known.
-void measure(const Image& pixels, const Layout* layout, InfoReport& report) {
-    double low = std::numeric_limits<double>::infinity(), high = 0, covered = 0, whole = 0;
-    std::array<double, 3> sum{};
-    for (int y = 0; y < pixels.height(); ++y)
-        for (int x = 0; x < pixels.width(); ++x) {
-            double weight = 1;
-            if (layout) {
-                const V2d p((x + 0.5) / pixels.width(), (y + 0.5) / pixels.height());
-                weight = std::visit([&](const auto& shape) { return shape.solid_angle(p); },
-                                    layout->projection);
-            }
-            whole += weight;
-            const float* v = pixels.pixel(x, y);
-            const double alpha = pixels.channels() > 3 ? static_cast<double>(v[3]) : 1;
-            if (weight == 0 || alpha <= 0) continue;
-            covered += weight * alpha;
-            for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * v[c];
-            const double light = luminance(v) / alpha;
-            if (light > 0) low = std::min(low, light);
-            high = std::max(high, light);
-        }
-    if (covered > 0)
-        for (std::size_t c = 0; c < 3; ++c) report.mean_radiance[c] = sum[c] / covered;
-    if (high > 0) report.range_stops = std::log2(high / low);
-    report.maximum = high;
-    report.over_sphere = layout != nullptr;
-    // Solid angles taken at pixels' centres add up to 4 pi only nearly.
-    if (layout && whole > 0) report.covered_steradians = 4 * std::numbers::pi * covered / whole;
+/// What `info` tells of a measured picture.
+void tell(const MapMeasure& measure, InfoReport& report) {
+    report.mean_radiance = measure.mean;
+    if (measure.highest > 0) report.range_stops = std::log2(measure.highest / measure.lowest);
+    report.maximum = measure.highest;
+    report.over_sphere = measure.covered_steradians.has_value();
+    report.covered_steradians = measure.covered_steradians;
 }
 
 }  // namespace
@@ -178,7 +130,7 @@ InfoReport inspect(const std::string& path, const std::optional<std::string>& fr
         report.layout_sureness = guess.sureness;
     }
     report.size = pixels.size();
-    measure(pixels, told, report);
+    tell(measure(pixels, told), report);
     if (past) report.provenance = to_attribute(*past).text;
     if (report.layout == "angular" && report.layout_sureness.starts_with("a guess"))
         report.notes.push_back(

@@ -8,6 +8,7 @@
 
 #include "io/decoders.h"
 #include "io/messages.h"
+#include "io/oiio_types.h"
 #include "io/orient.h"
 
 namespace chromeball::io {
@@ -64,20 +65,6 @@ PixelType pixel_type_of(TypeDesc format) {
         default:
             return PixelType::f32;
     }
-}
-
-TypeDesc type_desc_of(PixelType type) {
-    switch (type) {
-        case PixelType::u8:
-            return TypeDesc::UINT8;
-        case PixelType::u16:
-            return TypeDesc::UINT16;
-        case PixelType::f16:
-            return TypeDesc::HALF;
-        case PixelType::f32:
-            break;
-    }
-    return TypeDesc::FLOAT;
 }
 
 int channel_index(const ImageSpec& spec, std::string_view name) {

@@ -8,6 +8,7 @@
 #include "io/encoders.h"
 #include "io/fact_names.h"
 #include "io/messages.h"
+#include "io/oiio_types.h"
 
 namespace chromeball::io {
 namespace {
@@ -30,20 +31,6 @@ std::string_view plugin_of(FileFormat format) {
         default:
             return "tiff";
     }
-}
-
-TypeDesc type_desc_of(PixelType type) {
-    switch (type) {
-        case PixelType::u8:
-            return TypeDesc::UINT8;
-        case PixelType::u16:
-            return TypeDesc::UINT16;
-        case PixelType::f16:
-            return TypeDesc::HALF;
-        case PixelType::f32:
-            break;
-    }
-    return TypeDesc::FLOAT;
 }
 
 void name_channels(ImageSpec& spec, const Values& values) {

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/luminance.h"
+
 namespace chromeball {
 namespace {
-
-double luminance(const float* p) { return 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]; }
 
 bool compared(const Image& photo, const Image& painted, int x, int y) {
     return painted.pixel(x, y)[3] > 0.999F &&
