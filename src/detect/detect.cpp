@@ -109,6 +109,14 @@ Rim followed(const Picture& picture, const Outline& start, const Pass& pass) {
     return rim;
 }
 
+/// Takes a rim over if it is more significant than the best so far.
+void keep_if_better(Draft& draft, double& best, const Rim& rim) {
+    if (rim.significance <= best) return;
+    best = rim.significance;
+    draft.rim = rim;
+    draft.outline = rim.outline;
+}
+
 /// Follows the rim from several starts and keeps the most significant: close inside of a mirror
 /// ball's rim its reflections make weaker rims of their own.
 void follow(Draft& draft, const Picture& picture, const Pass& pass) {
@@ -119,11 +127,7 @@ void follow(Draft& draft, const Picture& picture, const Pass& pass) {
         Outline start = first;
         start.a *= factor;
         start.b *= factor;
-        const Rim rim = followed(picture, start, pass);
-        if (rim.significance <= best) continue;
-        best = rim.significance;
-        draft.rim = rim;
-        draft.outline = rim.outline;
+        keep_if_better(draft, best, followed(picture, start, pass));
     }
 }
 
@@ -141,11 +145,7 @@ void escape(Draft& draft, const Picture& picture) {
         const Outline start{first.cx + kShift * r * std::cos(turn),
                             first.cy + kShift * r * std::sin(turn), first.a * (1 + kShift),
                             first.b * (1 + kShift), first.angle};
-        const Rim rim = followed(picture, start, pass);
-        if (rim.significance <= best) continue;
-        best = rim.significance;
-        draft.rim = rim;
-        draft.outline = rim.outline;
+        keep_if_better(draft, best, followed(picture, start, pass));
     }
 }
 

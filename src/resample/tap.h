@@ -74,8 +74,8 @@ private:
         if (!(at.x >= source_.left && at.x <= source_.right && at.y >= source_.top &&
               at.y <= source_.bottom))
             return std::nullopt;
-        Rgbw sum = bilinear_tap(pixels_, at);
-        if (const auto at_rim = source_.rim.tap(at.x, at.y)) sum = *at_rim;
+        const auto at_rim = source_.rim.tap(at.x, at.y);
+        const Rgbw sum = at_rim ? *at_rim : bilinear_tap(pixels_, at);
         if (!(sum.w > 0)) return std::nullopt;
         const float scale = 1 / sum.w;
         return Rgbw{sum.r * scale, sum.g * scale, sum.b * scale, 1};
