@@ -8,6 +8,7 @@
 #include <cctype>
 
 #include "core/error.h"
+#include "core/names.h"
 #include "usage.h"
 
 namespace chromeball {
@@ -44,7 +45,7 @@ void SettingsFile::check_key(const CLI::ConfigItem& item) const {
         throw Error(Error::Kind::usage,
                     fmt::format("{}: cannot make sense of \"{}\"; a line is KEY = VALUE, as "
                                 "size = 1024, the whole value on it",
-                                name(), item.name));
+                                name(), excerpt(item.name)));
     throw Error(Error::Kind::usage,
                 fmt::format("{}: {}: {}", name(), item.name, unknown_option(command, item.name)));
 }
@@ -58,8 +59,8 @@ std::vector<CLI::ConfigItem> SettingsFile::from_config(std::istream& input) cons
         if (item.parents.empty()) item.parents = {command};
         if (item.parents.front() != command) {
             if (!is_command(item.parents.front()))
-                throw Error(Error::Kind::usage,
-                            fmt::format("{}: [{}] is no command", name(), item.parents.front()));
+                throw Error(Error::Kind::usage, fmt::format("{}: [{}] is no command", name(),
+                                                            excerpt(item.parents.front())));
             continue;
         }
         check_key(item);

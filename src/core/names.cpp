@@ -59,4 +59,13 @@ std::string quoted_list(const std::vector<std::string>& names) {
     return list;
 }
 
+std::string excerpt(std::string_view text) {
+    constexpr std::size_t kMost = 60;
+    std::string shown(text.substr(0, kMost));
+    for (char& c : shown)
+        if (c < 0x20 || c > 0x7e) c = '?';
+    if (text.size() > kMost) shown += "...";
+    return shown;
+}
+
 }  // namespace chromeball

@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "core/error.h"
+#include "core/names.h"
 
 namespace chromeball {
 namespace {
@@ -64,7 +65,7 @@ std::vector<Sensor> parse_sensors(std::string_view text, const std::string& file
             throw Error(Error::Kind::failed,
                         fmt::format("{}: line {}, \"{}\": expected make,model,width,height with "
                                     "millimetres, as in NIKON,NIKON D750,35.9,24.0",
-                                    file, number, line.substr(0, 80)));
+                                    file, number, excerpt(line)));
         sensors.push_back(*sensor);
     }
     return sensors;

@@ -43,5 +43,15 @@ TEST(QuotedList, ReadsAsASentence) {
     EXPECT_EQ(quoted_list({"a", "b", "c"}), "\"a\", \"b\" or \"c\"");
 }
 
+TEST(Excerpt, ShowsPlainTextAsItIsAndTheRestAsQuestionMarks) {
+    EXPECT_EQ(excerpt("size = 1024"), "size = 1024");
+    EXPECT_EQ(excerpt(std::string("a\x1b[31m\n\0\xff~", 10)), "a?[31m???~");
+}
+
+TEST(Excerpt, IsCutAtSixtyCharacters) {
+    EXPECT_EQ(excerpt(std::string(60, 'x')), std::string(60, 'x'));
+    EXPECT_EQ(excerpt(std::string(61, 'x')), std::string(60, 'x') + "...");
+}
+
 }  // namespace
 }  // namespace chromeball
