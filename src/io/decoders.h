@@ -9,7 +9,8 @@
 #include "io/probe.h"
 
 // The doors behind read.cpp: one for OpenEXR, one for everything else. What is declared here shows
-// no third-party type, so that the second (whose library is slow to load) can become a module.
+// no third-party type, so that the second (whose library is slow to load) is a module:
+// oiio_module.h.
 
 namespace chromeball::io {
 

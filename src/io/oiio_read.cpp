@@ -8,10 +8,11 @@
 
 #include "io/decoders.h"
 #include "io/messages.h"
+#include "io/oiio_doors.h"
 #include "io/oiio_types.h"
 #include "io/orient.h"
 
-namespace chromeball::io {
+namespace chromeball::io::oiio {
 namespace {
 
 using OIIO::ImageInput;
@@ -301,8 +302,7 @@ void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& 
 
 }  // namespace
 
-Photo decode_with_oiio(const std::string& path, const FileProbe& probe,
-                       const DecodeRequest& request) {
+Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request) {
     if (const auto claimed = claimed_size(probe))
         check_size(path, claimed->first, claimed->second, request.max_pixels);
     if (probe.plugin == "jpeg" && !request.header_only) check_jpeg_is_whole(path, probe.size);
@@ -323,4 +323,4 @@ Photo decode_with_oiio(const std::string& path, const FileProbe& probe,
     return photo;
 }
 
-}  // namespace chromeball::io
+}  // namespace chromeball::io::oiio

@@ -8,9 +8,10 @@
 #include "io/encoders.h"
 #include "io/fact_names.h"
 #include "io/messages.h"
+#include "io/oiio_doors.h"
 #include "io/oiio_types.h"
 
-namespace chromeball::io {
+namespace chromeball::io::oiio {
 namespace {
 
 using OIIO::ImageSpec;
@@ -115,7 +116,7 @@ void add_radiance_lines(Bytes& file, const WriteOptions& options) {
 
 }  // namespace
 
-Bytes encode_with_oiio(const std::string& path, const Values& values, const WriteOptions& options) {
+Bytes encode(const std::string& path, const Values& values, const WriteOptions& options) {
     const std::string plugin(plugin_of(options.format));
     const auto give_up = [&](const std::string& reason) {
         return failure(path, fmt::format("cannot be encoded as {}: {}; try another format or size",
@@ -137,4 +138,4 @@ Bytes encode_with_oiio(const std::string& path, const Values& values, const Writ
     return file;
 }
 
-}  // namespace chromeball::io
+}  // namespace chromeball::io::oiio

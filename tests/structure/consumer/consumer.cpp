@@ -4,6 +4,7 @@
 #include "color/color.h"
 #include "core/error.h"
 #include "io/read.h"
+#include "io/write.h"
 #include "map/layouts.h"
 
 int main() {
@@ -14,4 +15,10 @@ int main() {
     } catch (const chromeball::Error& e) {
         std::cout << e.what() << '\n';
     }
+    // A format whose library is loaded when it is needed.
+    chromeball::Image image({3, 2}, 3);
+    chromeball::WriteOptions options;
+    options.format = chromeball::FileFormat::hdr;
+    chromeball::write_image("consumer.hdr", image.view(), options);
+    std::cout << chromeball::read_photo("consumer.hdr").display.width << '\n';
 }

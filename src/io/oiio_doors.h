@@ -1,0 +1,12 @@
+#pragma once
+
+#include "io/decoders.h"
+#include "io/encoders.h"
+
+namespace chromeball::io::oiio {
+
+/// What the module does for decode_with_oiio and encode_with_oiio.
+Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request);
+Bytes encode(const std::string& path, const Values& values, const WriteOptions& options);
+
+}  // namespace chromeball::io::oiio

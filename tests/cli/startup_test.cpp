@@ -1,0 +1,46 @@
+#include <gtest/gtest.h>
+
+#include "cli/program.h"
+#include "cli/world.h"
+
+// What the program loads: time at the start is what the libraries behind it cost.
+
+namespace chromeball {
+namespace {
+
+using namespace test;
+
+#ifdef __GLIBC__
+
+/// Whether the run loads OpenImageIO, by the loader's own report.
+bool loads_image_library(const TempFolder& folder, const Words& words) {
+    Circumstances traced;
+    traced.environment = {{"LD_DEBUG", "files"}};
+    const Outcome outcome = run(folder, words, traced);
+    EXPECT_EQ(outcome.status, 0) << text_of(words);
+    EXPECT_TRUE(outcome.says("libOpenEXR")) << "the loader did not report";
+    return outcome.says("libOpenImageIO");
+}
+
+TEST(Startup, LoadsTheLargeImageLibraryOnlyForFilesThatNeedIt) {
+    const TempFolder folder;
+    const Image photo = ball_photo({64, 64}, distant_ball(32, 32, 30));
+    write_exr(folder / "ball.exr", photo);
+    write_picture(folder / "ball.jpg", photo);
+    const Words rest{"--ball=32,32,30", "--orthographic", "--size=16", "-o", "out.exr"};
+    const auto convert = [&](const std::string& file) {
+        Words words{"convert", file};
+        words.insert(words.end(), rest.begin(), rest.end());
+        return words;
+    };
+    EXPECT_FALSE(loads_image_library(folder, {"--help"}));
+    EXPECT_FALSE(loads_image_library(folder, {"info", "ball.exr"}));
+    EXPECT_FALSE(loads_image_library(folder, {"detect", "ball.exr", "--ball=32,32,30"}));
+    EXPECT_FALSE(loads_image_library(folder, convert("ball.exr")));
+    EXPECT_TRUE(loads_image_library(folder, convert("ball.jpg")));
+}
+
+#endif
+
+}  // namespace
+}  // namespace chromeball
