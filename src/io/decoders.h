@@ -8,8 +8,8 @@
 #include "core/photo.h"
 #include "io/probe.h"
 
-// The doors behind read.cpp: one for OpenEXR, one for everything else. What is declared here shows
-// no third-party type, so that the second (whose library is slow to load) is a module:
+// The doors behind read.cpp: for OpenEXR, for PNG, and for everything else. What is declared here
+// shows no third-party type, so that the second (whose library is slow to load) is a module:
 // oiio_module.h.
 
 namespace chromeball::io {
@@ -23,6 +23,10 @@ struct DecodeRequest {
 
 /// Decodes an OpenEXR file with OpenEXR alone.
 Photo decode_exr(const std::string& path, const FileProbe& probe, const DecodeRequest& request);
+
+/// Decodes a PNG with libpng alone; nothing where it holds EXIF or XMP, which OpenImageIO knows.
+std::optional<Photo> decode_png(const std::string& path, const FileProbe& probe,
+                                const DecodeRequest& request);
 
 /// Decodes anything else with OpenImageIO.
 Photo decode_with_oiio(const std::string& path, const FileProbe& probe,

@@ -23,10 +23,19 @@ struct Values {
     Bytes data;
 };
 
+/// Names of encoded sRGB that deserve the formats' own mark.
+inline bool is_encoded_srgb(const ColorTag& tag) {
+    return tag.space == "sRGB" || tag.space == "srgb_texture" || tag.space == "srgb_rec709_scene" ||
+           tag.space == "sRGB - Texture";
+}
+
 /// A whole EXR file in memory. `path` is for messages.
 Bytes encode_exr(const std::string& path, const Values& values, const WriteOptions& options);
 
-/// A whole HDR, TIFF, PNG or JPEG file in memory.
+/// A whole PNG file in memory.
+Bytes encode_png(const Values& values, const WriteOptions& options);
+
+/// A whole HDR, TIFF or JPEG file in memory.
 Bytes encode_with_oiio(const std::string& path, const Values& values, const WriteOptions& options);
 
 }  // namespace chromeball::io

@@ -25,8 +25,6 @@ std::string_view plugin_of(FileFormat format) {
     switch (format) {
         case FileFormat::hdr:
             return "hdr";
-        case FileFormat::png:
-            return "png";
         case FileFormat::jpg:
             return "jpeg";
         default:
@@ -44,12 +42,6 @@ void name_channels(ImageSpec& spec, const Values& values) {
     }
     if (static_cast<int>(spec.channelnames.size()) < values.channels)
         spec.channelnames.emplace_back("confidence");
-}
-
-/// Names of encoded sRGB that deserve the formats' own mark.
-bool is_encoded_srgb(const ColorTag& tag) {
-    return tag.space == "sRGB" || tag.space == "srgb_texture" || tag.space == "srgb_rec709_scene" ||
-           tag.space == "sRGB - Texture";
 }
 
 /// The facts that have a place of their own in these formats, under their names there.
@@ -85,10 +77,8 @@ ImageSpec spec_of(const Values& values, const WriteOptions& options) {
         spec.attribute("compression", "zip");
     }
     if (options.format != FileFormat::hdr) add_facts(spec, options.metadata);
-    if (is_encoded_srgb(options.color)) {
-        if (options.format == FileFormat::png) spec.attribute("oiio:ColorSpace", "sRGB");
-        if (options.format == FileFormat::jpg) spec.attribute("Exif:ColorSpace", 1);
-    }
+    if (options.format == FileFormat::jpg && is_encoded_srgb(options.color))
+        spec.attribute("Exif:ColorSpace", 1);
     if (const auto own = options.metadata.text(kOwn))
         spec.attribute("ImageDescription", fmt::format("{} {}", kOwn, *own));
     return spec;

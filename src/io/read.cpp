@@ -14,8 +14,10 @@ namespace {
 Photo read(const std::string& path, const io::DecodeRequest& request) {
     const io::FileProbe probe = io::probe_file(path);
     try {
-        return probe.exr ? io::decode_exr(path, probe, request)
-                         : io::decode_with_oiio(path, probe, request);
+        if (probe.exr) return io::decode_exr(path, probe, request);
+        if (probe.plugin == "png")
+            if (auto photo = io::decode_png(path, probe, request)) return std::move(*photo);
+        return io::decode_with_oiio(path, probe, request);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {

@@ -1,20 +1,22 @@
 #include "io/write.h"
 
-#include <Imath/half.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cassert>
 #include <cctype>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 #include <exception>
 #include <limits>
 #include <new>
+#include <span>
 
+#include "core/parallel.h"
 #include "io/encoders.h"
 #include "io/messages.h"
+#include "io/store.h"
 #include "io/whole_file.h"
 
 namespace chromeball {
@@ -95,41 +97,6 @@ void unassociate(float* pixel, int colors) {
     }
 }
 
-/// Appends values in a stored type.
-class Packer {
-public:
-    Packer(PixelType type, std::size_t count) : type_(type) {
-        bytes_.reserve(count * bytes_per_value(type));
-    }
-    void put(float value) {
-        switch (type_) {
-            case PixelType::u8:
-                append(static_cast<std::uint8_t>(value * 255.0f + 0.5f));
-                break;
-            case PixelType::u16:
-                append(static_cast<std::uint16_t>(value * 65535.0f + 0.5f));
-                break;
-            case PixelType::f16:
-                append(Imath::half(value).bits());
-                break;
-            case PixelType::f32:
-                append(value);
-                break;
-        }
-    }
-    io::Bytes take() { return std::move(bytes_); }
-
-private:
-    template <class T>
-    void append(T value) {
-        const std::size_t at = bytes_.size();
-        bytes_.resize(at + sizeof value);
-        std::memcpy(bytes_.data() + at, &value, sizeof value);
-    }
-    PixelType type_;
-    io::Bytes bytes_;
-};
-
 /// Which of the image's channels are written; grey is repeated where a format needs three.
 struct Shape {
     int colors, alpha, confidence;  ///< of the image; alpha and confidence 0 or 1
@@ -152,6 +119,35 @@ Shape shape_of(const FormatRow& format, int channels, const WriteOptions& option
     return shape;
 }
 
+/// One row as the file gets it, in floats: associated or not, fitted, with the channels it has.
+class RowFitter {
+public:
+    RowFitter(const FormatRow& format, const Shape& shape, PixelType type)
+        : format_(format), shape_(shape), range_(range_of(format.format, type)) {}
+
+    void fit(const float* in, int channels, std::span<float> out, WriteReport& report) const {
+        constexpr Range kShare{0, 1};  // of alpha and confidence
+        const int copies = shape_.repeat_grey ? 3 : 1;
+        std::array<float, 5> pixel{};
+        for (float* to = out.data(); to != out.data() + out.size(); in += channels) {
+            std::copy_n(in, channels, pixel.begin());
+            if (shape_.write_alpha && !format_.associated) unassociate(pixel.data(), shape_.colors);
+            for (int c = 0; c < shape_.colors; ++c) {
+                const float value = fitted(pixel[static_cast<std::size_t>(c)], range_, report);
+                for (int copy = 0; copy < copies; ++copy) *to++ = value;
+            }
+            const float* rest = pixel.data() + shape_.colors;
+            if (shape_.write_alpha) *to++ = fitted(rest[0], kShare, report);
+            if (shape_.write_confidence) *to++ = fitted(rest[shape_.alpha], kShare, report);
+        }
+    }
+
+private:
+    const FormatRow& format_;
+    Shape shape_;
+    Range range_;
+};
+
 io::Values prepare(ImageView<const float> image, const WriteOptions& options, WriteReport& report) {
     const FormatRow& format = row_of(options.format);
     const Shape shape = shape_of(format, image.channels, options);
@@ -161,27 +157,39 @@ io::Values prepare(ImageView<const float> image, const WriteOptions& options, Wr
     values.channels = shape.written();
     values.colors = shape.repeat_grey ? 3 : shape.colors;
     values.alpha = shape.write_alpha;
-    const Range range = range_of(options.format, values.type);
-    constexpr Range kShare{0, 1};  // of alpha and confidence
-    const int copies = shape.repeat_grey ? 3 : 1;
-    Packer packer(values.type, image.size.pixels() * static_cast<std::size_t>(values.channels));
-    std::array<float, 5> pixel{};
-    for (int y = 0; y < image.size.height; ++y) {
-        const float* in = image.row(y);
-        for (int x = 0; x < image.size.width; ++x, in += image.channels) {
-            std::copy_n(in, image.channels, pixel.begin());
-            if (shape.write_alpha && !format.associated) unassociate(pixel.data(), shape.colors);
-            for (int c = 0; c < shape.colors; ++c) {
-                const float value = fitted(pixel[static_cast<std::size_t>(c)], range, report);
-                for (int copy = 0; copy < copies; ++copy) packer.put(value);
-            }
-            const float* rest = pixel.data() + shape.colors;
-            if (shape.write_alpha) packer.put(fitted(rest[0], kShare, report));
-            if (shape.write_confidence) packer.put(fitted(rest[shape.alpha], kShare, report));
+    const std::size_t row_values =
+        static_cast<std::size_t>(values.channels) * static_cast<std::size_t>(image.size.width);
+    const std::size_t row_bytes = row_values * bytes_per_value(values.type);
+    values.data.resize(row_bytes * static_cast<std::size_t>(image.size.height));
+    const RowFitter fitter(format, shape, values.type);
+    std::atomic<std::size_t> clamped = 0, repaired = 0;
+    constexpr int kBand = 16;
+    for_each_band(image.size.height, kBand, [&](int first, int last) {
+        std::vector<float> row(row_values);
+        WriteReport own;
+        for (int y = first; y < last; ++y) {
+            fitter.fit(image.row(y), image.channels, row, own);
+            io::store(row, values.type,
+                      values.data.data() + static_cast<std::size_t>(y) * row_bytes);
         }
-    }
-    values.data = packer.take();
+        clamped += own.clamped;
+        repaired += own.repaired;
+    });
+    report.clamped += clamped;
+    report.repaired += repaired;
     return values;
+}
+
+/// The whole file in memory.
+io::Bytes encoded(const std::string& path, const io::Values& values, const WriteOptions& options) {
+    switch (options.format) {
+        case FileFormat::exr:
+            return io::encode_exr(path, values, options);
+        case FileFormat::png:
+            return io::encode_png(values, options);
+        default:
+            return io::encode_with_oiio(path, values, options);
+    }
 }
 
 }  // namespace
@@ -208,9 +216,7 @@ WriteReport write_image(const std::string& path, ImageView<const float> image,
     try {
         WriteReport report;
         const io::Values values = prepare(image, options, report);
-        io::write_whole_file(path, options.format == FileFormat::exr
-                                       ? io::encode_exr(path, values, options)
-                                       : io::encode_with_oiio(path, values, options));
+        io::write_whole_file(path, encoded(path, values, options));
         return report;
     } catch (const Error&) {
         throw;

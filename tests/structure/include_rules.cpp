@@ -44,6 +44,10 @@ const Door kDoors[] = {
     {"OpenEXR/", {"io"}},
     {"Imf", {"io"}},  // OpenEXR's headers without their folder
     {"Iex", {"io"}},
+    {"png.h", {"io"}},
+    {"zlib.h", {"io"}},
+    {"isa-l/", {"io"}},
+    {"immintrin.h", {"io"}},  // half floats
     {"nlohmann/", {"io", "apps"}},
     {"OpenColorIO/", {"color"}},
     {"opencv2/", {"detect"}},
