@@ -12,6 +12,7 @@
 #include "core/parallel.h"
 #include "io/facts.h"
 #include "io/read.h"
+#include "io/threads.h"
 #include "io/write.h"
 #include "map_files.h"
 #include "map_input.h"
@@ -255,6 +256,7 @@ void report_write(const Console& console, const OutputPlan& plan, const WriteRep
 void run_convert(const ConvertOptions& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);
+    set_coding_threads(o.common.threads);
     const OutputPlan plan = plan_output(o.output);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);

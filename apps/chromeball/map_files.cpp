@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/names.h"
+#include "core/parallel.h"
 #include "io/write.h"
 
 namespace chromeball {
@@ -71,11 +72,11 @@ FileFormat folder_format(const OutputOptions& o, const Preset* preset) {
     return preset ? *format_from_extension(preset->extension) : FileFormat::exr;
 }
 
-Image rows_of(const Image& map, int first, int count) {
-    Image part({map.width(), count}, map.channels());
-    std::copy_n(map.row(first), static_cast<std::ptrdiff_t>(count) * map.width() * map.channels(),
-                part.row(0));
-    return part;
+/// One face of six below each other.
+ImageView<const float> face_of(const Image& map, int face) {
+    const int size = map.width();
+    const ImageView<const float> all = map.view();
+    return {all.row(face * size), {size, size}, all.channels, all.stride};
 }
 
 void add(WriteReport& total, const WriteReport& one) {
@@ -147,14 +148,15 @@ std::vector<std::string> write_map(const OutputPlan& plan, const Image& map,
         return {plan.path};
     }
     const auto files = plan.face_files();
-    const int size = map.width();
     const bool new_folder = !fs::exists(plan.path);
     make_folder(plan.path);
     try {
-        for (int face = 0; face < 6; ++face) {
-            const Image part = rows_of(map, face * size, size);
-            add(report, write_image(files[static_cast<std::size_t>(face)], part.view(), options));
-        }
+        std::array<WriteReport, 6> reports;
+        for_each_band(6, 1, [&](int face, int) {
+            const auto at = static_cast<std::size_t>(face);
+            reports[at] = write_image(files[at], face_of(map, face), options);
+        });
+        for (const WriteReport& one : reports) add(report, one);
     } catch (...) {
         // Of what was not there before nothing stays.
         std::error_code ignored;

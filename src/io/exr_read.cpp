@@ -16,6 +16,7 @@
 #include "core/names.h"
 #include "io/decoders.h"
 #include "io/exr_attributes.h"
+#include "io/exr_chunks.h"
 #include "io/messages.h"
 
 namespace chromeball::io {
@@ -215,7 +216,7 @@ void decode_luminance_chroma(const std::string& path, const Frame& frame, Photo&
     }
 }
 
-Photo decode(const std::string& path, const DecodeRequest& request) {
+Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request) {
     Imf::MultiPartInputFile file(path.c_str());
     const PartChoice choice = choose_part(path, file);
     Frame frame;
@@ -226,6 +227,7 @@ Photo decode(const std::string& path, const DecodeRequest& request) {
     photo.window.size.height = last - first;
     if (!file.partComplete(choice.part))
         throw failure(path, "truncated: rows of pixels are missing; copy or render it again");
+    check_chunks_are_there(path, probe, file, choice.part);
     if (request.header_only || first == last) return photo;
     photo.pixels.resize(photo.window.size.pixels() * pixel_bytes(photo));
     if (choice.selection.luminance_chroma && choice.part != 0)
@@ -251,7 +253,7 @@ Photo decode_exr(const std::string& path, const FileProbe& probe, const DecodeRe
     if (const auto claimed = claimed_size(probe))
         check_size(path, claimed->first, claimed->second, request.max_pixels);
     try {
-        return decode(path, request);
+        return decode(path, probe, request);
     } catch (const Iex::BaseExc& e) {
         const std::string reason = reason_of(e);
         const bool ends_early = reason.find("nd of file") != std::string::npos;

@@ -21,10 +21,13 @@ public:
     explicit MemoryStream(const std::string& name) : Imf::OStream(name.c_str()) {}
 
     void write(const char data[], int count) override {
-        const std::size_t end = at_ + static_cast<std::size_t>(count);
-        if (end > bytes_.size()) bytes_.resize(end);
-        std::memcpy(bytes_.data() + at_, data, static_cast<std::size_t>(count));
-        at_ = end;
+        const auto length = static_cast<std::size_t>(count);
+        // Nearly all is appended; the table of contents is filled in at the end.
+        const std::size_t replaced = std::min(length, bytes_.size() - at_);
+        std::memcpy(bytes_.data() + at_, data, replaced);
+        const auto* bytes = reinterpret_cast<const std::byte*>(data);
+        bytes_.insert(bytes_.end(), bytes + replaced, bytes + length);
+        at_ += length;
     }
     std::uint64_t tellp() override { return at_; }
     void seekp(std::uint64_t position) override { at_ = position; }

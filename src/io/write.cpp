@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cassert>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <limits>
 #include <new>
@@ -74,20 +76,21 @@ Range range_of(FileFormat format, PixelType type) {
     return {-kMostFloat, kMostFloat};
 }
 
-/// A value that the format can hold, counting what had to be done to it.
+/// A value that the format can hold, counting what had to be done to it. No branches, as it is
+/// done to every number of a map.
 float fitted(float value, Range range, WriteReport& report) {
-    if (!std::isfinite(value)) {
-        ++report.repaired;
-        return value > 0 ? range.high : 0;  // false for NaN
-    }
-    if (value > range.high) ++report.clamped;
-    return std::clamp(value, range.low, range.high);
+    constexpr std::uint32_t kExponent = 0x7f800000u;  // all set: NaN or infinite
+    const bool finite = (std::bit_cast<std::uint32_t>(value) & kExponent) != kExponent;
+    report.repaired += !finite;
+    report.clamped += finite && value > range.high;
+    const float repaired = finite ? value : value > 0 ? range.high : 0;  // NaN is not above 0
+    return std::min(std::max(repaired, range.low), range.high);
 }
 
 /// Colour as it was before it was multiplied by alpha.
 void unassociate(float* pixel, int colors) {
     const float alpha = pixel[colors];
-    if (!(alpha > 0) || !std::isfinite(alpha)) return;
+    if (!(alpha > 0) || !std::isfinite(alpha) || alpha == 1) return;
     for (int c = 0; c < colors; ++c) {
         // NaN and infinities are for `fitted` to see; a quotient may overflow into one of its own.
         if (!std::isfinite(pixel[c])) continue;
@@ -119,32 +122,56 @@ Shape shape_of(const FormatRow& format, int channels, const WriteOptions& option
     return shape;
 }
 
-/// One row as the file gets it, in floats: associated or not, fitted, with the channels it has.
+/// Rows as the file gets them, still in floats.
 class RowFitter {
 public:
     RowFitter(const FormatRow& format, const Shape& shape, PixelType type)
-        : format_(format), shape_(shape), range_(range_of(format.format, type)) {}
+        : shape_(shape),
+          divide_(shape.write_alpha && !format.associated),
+          range_(range_of(format.format, type)) {}
 
+    /// channels: of the image, 1 to 5
     void fit(const float* in, int channels, std::span<float> out, WriteReport& report) const {
-        constexpr Range kShare{0, 1};  // of alpha and confidence
-        const int copies = shape_.repeat_grey ? 3 : 1;
-        std::array<float, 5> pixel{};
-        for (float* to = out.data(); to != out.data() + out.size(); in += channels) {
-            std::copy_n(in, channels, pixel.begin());
-            if (shape_.write_alpha && !format_.associated) unassociate(pixel.data(), shape_.colors);
-            for (int c = 0; c < shape_.colors; ++c) {
-                const float value = fitted(pixel[static_cast<std::size_t>(c)], range_, report);
-                for (int copy = 0; copy < copies; ++copy) *to++ = value;
-            }
-            const float* rest = pixel.data() + shape_.colors;
-            if (shape_.write_alpha) *to++ = fitted(rest[0], kShare, report);
-            if (shape_.write_confidence) *to++ = fitted(rest[shape_.alpha], kShare, report);
+        switch (channels) {  // known to the compiler the loops over them cost nothing
+            case 1:
+                return fit_row<1>(in, out, report);
+            case 2:
+                return fit_row<2>(in, out, report);
+            case 3:
+                return fit_row<3>(in, out, report);
+            case 4:
+                return fit_row<4>(in, out, report);
+            default:
+                return fit_row<5>(in, out, report);
         }
     }
 
 private:
-    const FormatRow& format_;
+    template <int kChannels>
+    void fit_row(const float* in, std::span<float> out, WriteReport& total) const {
+        constexpr Range kShare{0, 1};  // of alpha and confidence
+        WriteReport report;
+        const Shape shape = shape_;
+        const int copies = shape.repeat_grey ? 3 : 1;
+        float* to = out.data();
+        for (float* const end = to + out.size(); to != end; in += kChannels) {
+            float pixel[kChannels];
+            for (int c = 0; c < kChannels; ++c) pixel[c] = in[c];
+            if (divide_) unassociate(pixel, shape.colors);
+            for (int c = 0; c < std::min(shape.colors, kChannels); ++c) {
+                const float value = fitted(pixel[c], range_, report);
+                for (int copy = 0; copy < copies; ++copy) *to++ = value;
+            }
+            const float* rest = pixel + shape.colors;
+            if (shape.write_alpha) *to++ = fitted(rest[0], kShare, report);
+            if (shape.write_confidence) *to++ = fitted(rest[shape.alpha], kShare, report);
+        }
+        total.clamped += report.clamped;
+        total.repaired += report.repaired;
+    }
+
     Shape shape_;
+    bool divide_;  ///< colour is stored as it was before it was multiplied by alpha
     Range range_;
 };
 
