@@ -212,26 +212,33 @@ ColorTag color_tag_of(const ImageSpec& spec, const FileProbe& probe) {
     return tag;
 }
 
+/// Rows that are stored together: of tiles, or of a TIFF's strips, which are decoded alone only
+/// when they are asked for whole; else 1.
+int rows_together(const ImageSpec& spec) {
+    if (spec.tile_width > 0) return spec.tile_height;
+    const int strip = spec.get_int_attribute("tiff:RowsPerStrip", 1);
+    return strip > 0 && strip <= spec.height / 4 ? strip : 1;  // else there is little to skip
+}
+
 /// The stored rows first to last, all channels, into memory of its own size.
 bool read_rows(ImageInput& input, const ImageSpec& spec, int first, int last, TypeDesc type,
                std::vector<std::byte>& out, std::size_t row_bytes) {
-    const auto rows = static_cast<std::size_t>(last - first);
-    if (spec.tile_width == 0) {
-        out.resize(rows * row_bytes);
-        return input.read_scanlines(0, 0, spec.y + first, spec.y + last, 0, 0, spec.nchannels, type,
-                                    out.data());
-    }
-    // Whole rows of tiles, of which the wanted rows are then cut out.
-    const int top = first / spec.tile_height * spec.tile_height;
-    const int bottom =
-        std::min(spec.height, (last + spec.tile_height - 1) / spec.tile_height * spec.tile_height);
+    // Whole tiles or strips, of which the wanted rows are then cut out.
+    const int together = rows_together(spec);
+    const int top = first / together * together;
+    const int bottom = static_cast<int>(std::min(
+        std::int64_t{spec.height}, (std::int64_t{last} + together - 1) / together * together));
     out.resize(static_cast<std::size_t>(bottom - top) * row_bytes);
-    if (!input.read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + top, spec.y + bottom, spec.z,
-                          spec.z + 1, 0, spec.nchannels, type, out.data()))
-        return false;
+    const bool good =
+        spec.tile_width > 0
+            ? input.read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + top, spec.y + bottom,
+                               spec.z, spec.z + 1, 0, spec.nchannels, type, out.data())
+            : input.read_scanlines(0, 0, spec.y + top, spec.y + bottom, 0, 0, spec.nchannels, type,
+                                   out.data());
+    if (!good) return false;
     out.erase(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(
                                              static_cast<std::size_t>(first - top) * row_bytes));
-    out.resize(rows * row_bytes);
+    out.resize(static_cast<std::size_t>(last - first) * row_bytes);
     return true;
 }
 

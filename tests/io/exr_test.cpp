@@ -58,6 +58,8 @@ struct Recipe {
     Imf::Compression compression = Imf::ZIP_COMPRESSION;
     Imf::LineOrder order = Imf::INCREASING_Y;
     bool tiled = false;
+    Imf::LevelMode levels = Imf::ONE_LEVEL;
+    Imf::LevelRoundingMode rounding = Imf::ROUND_DOWN;
 };
 
 Imf::Header header_of(const Recipe& recipe) {
@@ -75,10 +77,13 @@ void write(const std::string& file, const Recipe& recipe) {
     Imf::Header header = header_of(recipe);
     const int height = recipe.data.max.y - recipe.data.min.y + 1;
     if (recipe.tiled) {
-        header.setTileDescription({5, 4, Imf::ONE_LEVEL});
+        header.setTileDescription({5, 4, recipe.levels, recipe.rounding});
         Imf::TiledOutputFile out(file.c_str(), header);
-        out.setFrameBuffer(buffer);
-        out.writeTiles(0, out.numXTiles() - 1, 0, out.numYTiles() - 1);
+        out.setFrameBuffer(buffer);  // the smaller levels hold a part of the largest
+        for (int ly = 0; ly < out.numYLevels(); ++ly)
+            for (int lx = 0; lx < out.numXLevels(); ++lx)
+                if (out.isValidLevel(lx, ly))
+                    out.writeTiles(0, out.numXTiles(lx) - 1, 0, out.numYTiles(ly) - 1, lx, ly);
     } else {
         Imf::OutputFile out(file.c_str(), header);
         out.setFrameBuffer(buffer);
@@ -151,6 +156,74 @@ TEST_F(Exr, RowsAreReadWithoutDecodingTheOthers) {
     test::write_bytes(file, bytes);
     EXPECT_EQ(value_at(read_photo(file, {.rows = std::pair{2, 4}}), 5, 0, 0), mark(0, 5, 2));
     EXPECT_NE(message_of([&] { read_photo(file); }), "no error");
+}
+
+/// Whether the file is read as it is, and called truncated without its last bytes, although the
+/// rows that are wanted are there.
+void expect_its_end_is_missed(const std::string& file, const std::string& what) {
+    const ReadOptions first_rows{.rows = std::pair{0, 2}};
+    EXPECT_EQ(message_of([&] { read_photo(file, first_rows); }), "no error") << what;
+    EXPECT_EQ(message_of([&] { read_photo(file); }), "no error") << what;
+    const std::string bytes = test::read_bytes(file);
+    for (const std::size_t missing : {1, 7, 60}) {
+        test::write_bytes(file, bytes.substr(0, bytes.size() - missing));
+        for (const bool header_only : {false, true})
+            EXPECT_NE(message_of([&] {
+                          header_only ? read_header(file, first_rows)
+                                      : read_photo(file, first_rows);
+                      }).find(file + ": truncated: "),
+                      std::string::npos)
+                << what << ", less " << missing;
+    }
+}
+
+TEST_F(Exr, IsCalledTruncatedAlsoWhereTheWantedRowsAreThere) {
+    for (int kind = 0; kind < Imf::NUM_COMPRESSION_METHODS; ++kind)
+        for (const auto order : {Imf::INCREASING_Y, Imf::DECREASING_Y}) {
+            write(file, {.data = {{0, 0}, {11, 599}},
+                         .display = {{0, 0}, {11, 599}},
+                         .compression = static_cast<Imf::Compression>(kind),
+                         .order = order});
+            expect_its_end_is_missed(file, "compression " + std::to_string(kind));
+        }
+    for (const auto levels : {Imf::ONE_LEVEL, Imf::MIPMAP_LEVELS, Imf::RIPMAP_LEVELS})
+        for (const auto rounding : {Imf::ROUND_DOWN, Imf::ROUND_UP})
+            for (const Imath::Box2i& box :
+                 {Imath::Box2i{{0, 0}, {11, 99}}, {{-4, -3}, {0, 70}}, {{0, 0}, {15, 4}}}) {
+                write(file, {.data = box,
+                             .display = {{0, -3}, {11, 99}},
+                             .tiled = true,
+                             .levels = levels,
+                             .rounding = rounding});
+                expect_its_end_is_missed(file, "levels " + std::to_string(levels));
+            }
+}
+
+TEST_F(Exr, IsCalledTruncatedAlsoWithSeveralPartsOrALongHeader) {
+    for (const bool long_header : {false, true}) {
+        std::vector<Imf::Header> headers(3, header_of({}));
+        for (int p = 0; p < 3; ++p) {
+            auto& header = headers[static_cast<std::size_t>(p)];
+            header.setName("part" + std::to_string(p));
+            header.setType(Imf::SCANLINEIMAGE);
+            // More than what is looked at to know what a file is.
+            if (long_header)
+                header.insert("notes", Imf::StringAttribute(std::string(100'000, 'n')));
+        }
+        {
+            Imf::MultiPartOutputFile out(file.c_str(), headers.data(), 3);
+            Planes planes({{0, 0}, {11, 8}}, 3);
+            Imf::FrameBuffer buffer;
+            for (int c = 0; c < 3; ++c) buffer.insert(std::string(1, "RGB"[c]), planes.slice(c));
+            // The part that is read is the last one in the file.
+            for (const int p : {2, 1, 0}) {
+                Imf::OutputPart part(out, p);
+                part.setFrameBuffer(buffer);
+                part.writePixels(9);
+            }
+        }
+        expect_its_end_is_missed(file, "parts");
+    }
 }
 
 TEST_F(Exr, ChannelsAreFoundByNameInLayersToo) {

@@ -60,6 +60,36 @@ TEST_F(Read, EveryFormatGivesRowsAloneAndTheSameAsTheWhole) {
     }
 }
 
+TEST_F(Read, OfStripsAndTilesOnlyThoseOfTheRowsAreDecoded) {
+    for (const bool tiled : {false, true}) {
+        ImageSpec spec(64, 256, 3, TypeDesc::UINT16);
+        spec.attribute("compression", "zip");
+        spec.attribute("tiff:RowsPerStrip", 16);
+        if (tiled) spec.tile_width = spec.tile_height = 16;
+        const auto values = ramp(64 * 256 * 3);
+        write_foreign("tiff", folder / "x.tif", spec, values);
+        const Photo whole = read_photo(folder / "x.tif");
+        std::string bytes = test::read_bytes(folder / "x.tif");
+        // All but the middle is damaged; what tells where the parts lie stands at an end.
+        const std::size_t third = bytes.size() / 3;
+        bytes.replace(third / 2, third / 2, third / 2, '\x55');
+        bytes.replace(2 * third, third / 2, third / 2, '\x55');
+        test::write_bytes(folder / "x.tif", bytes);
+        for (const int first : {112, 117}) {
+            const Photo part = read_photo(folder / "x.tif", {.rows = std::pair{first, 141}});
+            ASSERT_EQ(part.window, (Window{0, first, {64, 141 - first}}));
+            EXPECT_TRUE(std::equal(part.pixels.begin(), part.pixels.end(),
+                                   whole.pixels.begin() + first * 64 * 6));
+        }
+        // The damage is real: the whole is refused, or (libtiff may only warn) other pixels come.
+        const std::string message = test::message_of(
+            [&] { EXPECT_NE(read_photo(folder / "x.tif").pixels, whole.pixels) << tiled; });
+        if (tiled) {
+            EXPECT_NE(message, "no error");
+        }
+    }
+}
+
 TEST_F(Read, TheHeaderAloneTellsAllButPixels) {
     for (const auto format : {FileFormat::exr, FileFormat::hdr, FileFormat::png}) {
         const std::string file = folder / ("x." + std::string(extension_of(format)));
