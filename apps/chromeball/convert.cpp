@@ -130,6 +130,7 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
     std::size_t bad = 0;
     Image pixels = colors.to_working(job.photo, space, region, &bad);
     warn_bad_pixels(console, o.input, bad);
+    job.photo.pixels = std::vector<std::byte>();  // the rest of the work is on the ball
     if (o.reflectance) undo_reflectance(pixels, *o.reflectance);
 
     Affine to_pixels = job.ball.to_pixels;
@@ -279,6 +280,8 @@ void run_convert(const ConvertOptions& o) {
     const int size = o.size.value_or(natural_size(input.source, *plan.layout));
     Image map = resample(input.source, *plan.layout, size, how, console.watch("converting"));
     if (input.evidence) verify(o, *input.evidence, map, *plan.layout, how.rotation, console);
+    input.source = {};
+    input.evidence.reset();
     const std::string space = encode(map, o, plan, colors);
 
     WriteOptions write;

@@ -64,25 +64,37 @@ Imf::Header header_of(const Values& values, const WriteOptions& options, Imf::Pi
     return header;
 }
 
+/// Where the library finds the rows first to last, which lie in `rows`.
+Imf::FrameBuffer buffer_of(const Values& values, Imf::PixelType type, const std::byte* rows,
+                           int first, int last) {
+    const Imath::Box2i box{{0, first}, {values.size.width - 1, last - 1}};
+    Imf::FrameBuffer buffer;
+    for (const std::string& name : channel_names(values)) {
+        buffer.insert(name,
+                      Imf::Slice::Make(type, rows, box, values.pixel_bytes(), values.row_bytes()));
+        rows += bytes_per_value(values.type);
+    }
+    return buffer;
+}
+
 }  // namespace
 
-Bytes encode_exr(const std::string& path, const Values& values, const WriteOptions& options) {
+Bytes encode_exr(const std::string& path, const Values& values, const WriteOptions& options,
+                 WriteReport& report) {
     const Imf::PixelType type = values.type == PixelType::f16 ? Imf::HALF : Imf::FLOAT;
-    const std::size_t value = bytes_per_value(values.type);
-    const std::size_t pixel = value * static_cast<std::size_t>(values.channels);
-    Imf::FrameBuffer buffer;
-    std::size_t offset = 0;
-    for (const std::string& name : channel_names(values)) {
-        buffer.insert(
-            name, Imf::Slice::Make(type, values.data.data() + offset, box_of(values.size), pixel,
-                                   pixel * static_cast<std::size_t>(values.size.width)));
-        offset += value;
-    }
+    // A part of the rows at a time, in chunks enough for all cores.
+    constexpr int kRows = 512;
+    const int height = values.size.height;
+    Bytes part(values.row_bytes() * static_cast<std::size_t>(std::min(height, kRows)));
     MemoryStream stream(path);
     {
         Imf::OutputFile file(stream, header_of(values, options, type));
-        file.setFrameBuffer(buffer);
-        file.writePixels(values.size.height);
+        for (int first = 0; first < height; first += kRows) {
+            const int last = std::min(height, first + kRows);
+            store_rows(values, first, last, part.data(), report);
+            file.setFrameBuffer(buffer_of(values, type, part.data(), first, last));
+            file.writePixels(last - first);
+        }
     }  // the destructor writes the table of contents
     return stream.take();
 }

@@ -7,6 +7,7 @@ namespace chromeball::io::oiio {
 
 /// What the module does for decode_with_oiio and encode_with_oiio.
 Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request);
-Bytes encode(const std::string& path, const Values& values, const WriteOptions& options);
+Bytes encode(const std::string& path, const Values& values, const WriteOptions& options,
+             WriteReport& report);
 
 }  // namespace chromeball::io::oiio

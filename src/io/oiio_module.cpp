@@ -76,8 +76,9 @@ Photo decode_with_oiio(const std::string& path, const FileProbe& probe,
     return module_for(path).decode(path, probe, request);
 }
 
-Bytes encode_with_oiio(const std::string& path, const Values& values, const WriteOptions& options) {
-    return module_for(path).encode(path, values, options);
+Bytes encode_with_oiio(const std::string& path, const Values& values, const WriteOptions& options,
+                       WriteReport& report) {
+    return module_for(path).encode(path, values, options, report);
 }
 
 }  // namespace chromeball::io

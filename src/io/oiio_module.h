@@ -12,7 +12,7 @@ namespace chromeball::io {
 struct OiioModule {
     const char* version;  ///< of the chromeball that it was built with; another one's will not do
     Photo (*decode)(const std::string&, const FileProbe&, const DecodeRequest&);
-    Bytes (*encode)(const std::string&, const Values&, const WriteOptions&);
+    Bytes (*encode)(const std::string&, const Values&, const WriteOptions&, WriteReport&);
 };
 
 /// The one function that the module exports, under this name.

@@ -106,7 +106,8 @@ void add_radiance_lines(Bytes& file, const WriteOptions& options) {
 
 }  // namespace
 
-Bytes encode(const std::string& path, const Values& values, const WriteOptions& options) {
+Bytes encode(const std::string& path, const Values& values, const WriteOptions& options,
+             WriteReport& report) {
     const std::string plugin(plugin_of(options.format));
     const auto give_up = [&](const std::string& reason) {
         return failure(path, fmt::format("cannot be encoded as {}: {}; try another format or size",
@@ -119,8 +120,10 @@ Bytes encode(const std::string& path, const Values& values, const WriteOptions& 
         throw give_up("this OpenImageIO does not write it");
     }
     const ImageSpec spec = spec_of(values, options);
-    const bool good = output->open(path, spec) &&
-                      output->write_image(spec.format, values.data.data()) && output->close();
+    Bytes pixels(values.row_bytes() * static_cast<std::size_t>(values.size.height));
+    store_rows(values, 0, values.size.height, pixels.data(), report);
+    const bool good = output->open(path, spec) && output->write_image(spec.format, pixels.data()) &&
+                      output->close();
     if (!good) throw give_up(output->geterror());
     const auto bytes = std::as_bytes(std::span(memory.buffer()));
     Bytes file(bytes.begin(), bytes.end());

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
 
 #include "core/parallel.h"
@@ -84,47 +83,44 @@ void put_facts(Bytes& file, const Metadata& metadata) {
         put_words(file, "Description", "chromeball " + *own);
 }
 
-/// A row as PNG stores it: of 16 bits the higher byte first.
-void store_row(const Values& values, int y, std::span<std::byte> out) {
-    const std::byte* row = values.data.data() + static_cast<std::size_t>(y) * out.size();
-    std::memcpy(out.data(), row, out.size());
+/// Of 16 bits the higher byte first.
+void swap_bytes(const Values& values, std::span<std::byte> rows) {
     if (values.type != PixelType::u16 || std::endian::native == std::endian::big) return;
-    for (std::size_t i = 0; i + 1 < out.size(); i += 2) std::swap(out[i], out[i + 1]);
+    for (std::size_t i = 0; i + 1 < rows.size(); i += 2) std::swap(rows[i], rows[i + 1]);
 }
 
-DeflatedPart deflate_rows(const Values& values, int first, int last) {
-    const std::size_t pixel =
-        bytes_per_value(values.type) * static_cast<std::size_t>(values.channels);
-    const std::size_t length = pixel * static_cast<std::size_t>(values.size.width);
-    Bytes above(length), row(length);
-    if (first > 0) store_row(values, first - 1, above);
+DeflatedPart deflate_rows(const Values& values, int first, int last, WriteReport& report) {
+    const std::size_t length = values.row_bytes();
+    Bytes rows(static_cast<std::size_t>(last - first + 1) * length);  // and the one above, or zeros
+    if (first > 0) values.store(first - 1, first, rows.data());
+    report = values.store(first, last, rows.data() + length);
+    swap_bytes(values, rows);
     Bytes filtered(static_cast<std::size_t>(last - first) * (length + 1));
-    std::span<std::byte> rest = filtered;
-    for (int y = first; y < last; ++y) {
-        store_row(values, y, row);
-        filter_row(row, above, pixel, rest.first(length + 1));
-        rest = rest.subspan(length + 1);
-        std::swap(row, above);
-    }
+    const std::span all = rows;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(last - first); ++i)
+        filter_row(all.subspan((i + 1) * length, length), all.subspan(i * length, length),
+                   values.pixel_bytes(), std::span(filtered).subspan(i * (length + 1), length + 1));
     return deflate_part(filtered, last == values.size.height);
 }
 
 /// Bands of some 512 KB, whatever the number of threads, as the bytes depend on them.
 int band_rows(const Values& values) {
-    const std::size_t row = values.data.size() / static_cast<std::size_t>(values.size.height);
     return static_cast<int>(
-        std::clamp<std::size_t>((std::size_t{512} << 10) / std::max<std::size_t>(row, 1), 1, 4096));
+        std::clamp<std::size_t>((std::size_t{512} << 10) / values.row_bytes(), 1, 4096));
 }
 
 }  // namespace
 
-Bytes encode_png(const Values& values, const WriteOptions& options) {
+Bytes encode_png(const Values& values, const WriteOptions& options, WriteReport& report) {
     const int rows = band_rows(values);
-    std::vector<DeflatedPart> parts(
-        static_cast<std::size_t>((values.size.height + rows - 1) / rows));
+    const auto count = static_cast<std::size_t>((values.size.height + rows - 1) / rows);
+    std::vector<DeflatedPart> parts(count);
+    std::vector<WriteReport> reports(count);
     for_each_band(values.size.height, rows, [&](int first, int last) {
-        parts[static_cast<std::size_t>(first / rows)] = deflate_rows(values, first, last);
+        const auto at = static_cast<std::size_t>(first / rows);
+        parts[at] = deflate_rows(values, first, last, reports[at]);
     });
+    for (const WriteReport& one : reports) add(report, one);
     Bytes& head = parts.front().bytes;
     const Bytes start = zlib_head(), end = zlib_tail(parts);
     head.insert(head.begin(), start.begin(), start.end());
@@ -140,7 +136,7 @@ Bytes encode_png(const Values& values, const WriteOptions& options) {
     put_facts(file, options.metadata);
     for (DeflatedPart& part : parts) {
         put_chunk(file, "IDAT", part.bytes);
-        part.bytes = {};
+        part.bytes = Bytes();  // of `= {}` the memory would stay
     }
     put_chunk(file, "IEND", {});
     return file;

@@ -4,6 +4,10 @@
 
 #include <cstdint>
 #include <cstring>
+#include <vector>
+
+#include "core/parallel.h"
+#include "io/encoders.h"
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -58,6 +62,17 @@ void store(std::span<const float> values, PixelType type, std::byte* out) {
             std::memcpy(out, values.data(), values.size_bytes());
             return;
     }
+}
+
+void store_rows(const Values& values, int first, int last, std::byte* out, WriteReport& report) {
+    constexpr int kBand = 16;
+    const int count = last - first;
+    std::vector<WriteReport> reports(static_cast<std::size_t>((count + kBand - 1) / kBand));
+    for_each_band(count, kBand, [&](int from, int to) {
+        reports[static_cast<std::size_t>(from / kBand)] = values.store(
+            first + from, first + to, out + static_cast<std::size_t>(from) * values.row_bytes());
+    });
+    for (const WriteReport& one : reports) add(report, one);
 }
 
 }  // namespace chromeball::io

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cassert>
 #include <cctype>
@@ -15,7 +14,6 @@
 #include <new>
 #include <span>
 
-#include "core/parallel.h"
 #include "io/encoders.h"
 #include "io/messages.h"
 #include "io/store.h"
@@ -175,7 +173,7 @@ private:
     Range range_;
 };
 
-io::Values prepare(ImageView<const float> image, const WriteOptions& options, WriteReport& report) {
+io::Values values_of(ImageView<const float> image, const WriteOptions& options) {
     const FormatRow& format = row_of(options.format);
     const Shape shape = shape_of(format, image.channels, options);
     io::Values values;
@@ -184,38 +182,30 @@ io::Values prepare(ImageView<const float> image, const WriteOptions& options, Wr
     values.channels = shape.written();
     values.colors = shape.repeat_grey ? 3 : shape.colors;
     values.alpha = shape.write_alpha;
-    const std::size_t row_values =
-        static_cast<std::size_t>(values.channels) * static_cast<std::size_t>(image.size.width);
-    const std::size_t row_bytes = row_values * bytes_per_value(values.type);
-    values.data.resize(row_bytes * static_cast<std::size_t>(image.size.height));
     const RowFitter fitter(format, shape, values.type);
-    std::atomic<std::size_t> clamped = 0, repaired = 0;
-    constexpr int kBand = 16;
-    for_each_band(image.size.height, kBand, [&](int first, int last) {
-        std::vector<float> row(row_values);
-        WriteReport own;
-        for (int y = first; y < last; ++y) {
-            fitter.fit(image.row(y), image.channels, row, own);
-            io::store(row, values.type,
-                      values.data.data() + static_cast<std::size_t>(y) * row_bytes);
+    const std::size_t length = values.row_bytes();
+    values.store = [=, type = values.type](int first, int last, std::byte* out) {
+        WriteReport report;
+        std::vector<float> row(length / bytes_per_value(type));
+        for (int y = first; y < last; ++y, out += length) {
+            fitter.fit(image.row(y), image.channels, row, report);
+            io::store(row, type, out);
         }
-        clamped += own.clamped;
-        repaired += own.repaired;
-    });
-    report.clamped += clamped;
-    report.repaired += repaired;
+        return report;
+    };
     return values;
 }
 
 /// The whole file in memory.
-io::Bytes encoded(const std::string& path, const io::Values& values, const WriteOptions& options) {
+io::Bytes encoded(const std::string& path, const io::Values& values, const WriteOptions& options,
+                  WriteReport& report) {
     switch (options.format) {
         case FileFormat::exr:
-            return io::encode_exr(path, values, options);
+            return io::encode_exr(path, values, options, report);
         case FileFormat::png:
-            return io::encode_png(values, options);
+            return io::encode_png(values, options, report);
         default:
-            return io::encode_with_oiio(path, values, options);
+            return io::encode_with_oiio(path, values, options, report);
     }
 }
 
@@ -242,8 +232,7 @@ WriteReport write_image(const std::string& path, ImageView<const float> image,
         throw io::failure(path, "there are no pixels to write");
     try {
         WriteReport report;
-        const io::Values values = prepare(image, options, report);
-        io::write_whole_file(path, encoded(path, values, options));
+        io::write_whole_file(path, encoded(path, values_of(image, options), options, report));
         return report;
     } catch (const Error&) {
         throw;
