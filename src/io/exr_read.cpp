@@ -17,6 +17,7 @@
 #include "io/decoders.h"
 #include "io/exr_attributes.h"
 #include "io/exr_chunks.h"
+#include "io/exr_zip.h"
 #include "io/messages.h"
 
 namespace chromeball::io {
@@ -181,6 +182,8 @@ std::size_t pixel_bytes(const Photo& photo) {
 void decode_channels(Imf::MultiPartInputFile& file, const PartChoice& choice, const Frame& frame,
                      Photo& photo) {
     Imf::InputPart part(file, choice.part);
+    if (can_decode_zip(part.header(), choice.selection.names, photo.type))
+        return decode_zip(part, choice.selection.names, photo.window.y + frame.origin.y, photo);
     const std::size_t value = bytes_per_value(photo.type);
     const Imf::PixelType type = photo.type == PixelType::f16 ? Imf::HALF : Imf::FLOAT;
     const int first = photo.window.y + frame.origin.y;
