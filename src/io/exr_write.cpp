@@ -7,7 +7,6 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "io/encoders.h"
 #include "io/exr_attributes.h"
@@ -24,8 +23,8 @@ public:
         const auto length = static_cast<std::size_t>(count);
         // Nearly all is appended; the table of contents is filled in at the end.
         const std::size_t replaced = std::min(length, bytes_.size() - at_);
-        std::memcpy(bytes_.data() + at_, data, replaced);
         const auto* bytes = reinterpret_cast<const std::byte*>(data);
+        std::copy_n(bytes, replaced, bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
         bytes_.insert(bytes_.end(), bytes + replaced, bytes + length);
         at_ += length;
     }

@@ -101,7 +101,7 @@ int filter_of(const std::vector<Byte>& row, const std::vector<Byte>& above, std:
 }
 
 TEST(FilteredRows, CanBeUndoneForEveryWidthOfPixels) {
-    const std::vector<Byte> random = noise(4096);
+    const std::vector<Byte> random = noise(8192);
     for (std::size_t pixel = 1; pixel <= 8; ++pixel)
         for (const std::size_t count : {1u, 2u, 3u, 31u, 200u}) {
             const auto row = random.begin() + 1000, above = random.begin() + 2700;
