@@ -49,6 +49,14 @@ double MirrorBall::solid_angle(V2d position) const {
     return solid_angle_from_jacobian(*this, position);
 }
 
+double MirrorBall::view_ratio(double v) const {
+    const double theta = 2 * std::acos(std::min(v, 1.0));
+    const double sine = std::sqrt(std::max(0.0, 1 - v * v));
+    if (sine < 1e-9) return 2 / (2 * distance_ - 1);
+    const double f = normal_angle(theta);
+    return std::sin(f) / (distance_ - std::cos(f)) / sine;
+}
+
 double MirrorBall::reflection_slope(double f) const {
     const double c = distance_ * std::cos(f);
     return 2 + (c - 1) / (distance_ * distance_ - 2 * c + 1);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <numbers>
 
 #include "core/outline.h"
@@ -35,6 +36,24 @@ public:
     double hidden_half_angle() const { return orthographic_ ? 0 : half_angle_; }
     /// The ellipse that the ball fills in the photo.
     const Outline& outline() const { return outline_; }
+
+    // Numbers of the formulas, for those who evaluate them for many directions at once. With theta
+    // and phi a direction's angles around the line to the camera, the distant ball shows it at
+    // (s, t) = sin(theta / 2) (cos phi, sin phi) of its disk; from a pinhole the ray has the
+    // direction axis + view_ratio(cos(theta / 2)) (s e1 + t e2), e1 and e2 unit vectors across.
+
+    /// tan(view angle) / sin(theta / 2) of a near ball; smooth in v = cos(theta / 2), 0 < v <= 1.
+    double view_ratio(double v) const;
+    /// Of a distant ball: (s, t), t up -> offset from the outline's centre in the photo.
+    std::array<double, 4> from_disk() const {
+        return {from_disk_[0], from_disk_[1], from_disk_[2], from_disk_[3]};
+    }
+    /// Of a near ball: the camera's focal length and the rest.
+    double focal() const { return focal_; }
+    V2d principal() const { return principal_; }
+    const Distortion& distortion() const { return distortion_; }
+    /// See curved().
+    double curved_cosine() const { return curved_cosine_; }
 
     template <class T>
     std::optional<Vec3<T>> to_direction(const Vec2<T>& position) const {

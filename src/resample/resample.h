@@ -24,11 +24,12 @@ struct ResampleOptions {
 /// Alpha is coverage: the part of the pixel's directions that the source shows (not hidden behind a
 /// near ball, inside the picture), whatever taps the filter dropped at the rim.
 ///
-/// The adaptive filter takes the exact source position and Jacobian of every output pixel, and from
-/// the footprint nx x ny = clamp(ceil(1.5 footprint), 2, 64) sub-samples, each a bilinear tap
+/// The adaptive filter takes the source position and Jacobian of every output pixel. A footprint
+/// shorter than 0.7 source pixels takes one monotone cubic tap, see cubic_tap(). From a larger
+/// footprint follow nx x ny = clamp(ceil(1.5 footprint), 2, 64) sub-samples, each a bilinear tap
 /// (at the ball's rim one that follows the rim).
-/// Their positions follow from the Jacobian; where source or output bend (around the back of the
-/// ball, the poles, seams) each one's direction is taken exactly.
+/// The taps' positions follow from the Jacobian; where source or output bend (around the back of
+/// the ball, the poles, seams) each one's direction is taken exactly.
 ///
 /// The same bytes for any number of threads. Throws Error of kind `interrupted`.
 Image resample(const Source& source, const Layout& layout, int size,

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/image.h"
 #include "core/outline.h"
+#include "resample/ellipse_rows.h"
 #include "resample/rgbw.h"
 
 namespace chromeball {
@@ -28,19 +30,33 @@ public:
     /// usable.
     std::optional<Rgbw> tap(double x, double y) const;
 
+    /// Where the strip ends, pixels deep; -1 of no strip.
+    double last_depth() const { return last_; }
+    double first_depth() const { return first_; }
+    double rows_per_pixel() const;
+    /// Columns along the rim, the first one once more at the end; rows by depth. Colour and weight.
+    const Image& pixels() const { return strip_; }
+
 private:
     /// A position, seen from the rim.
     struct Place {
         double depth = 0;  ///< inwards, to first order, pixels
         double turn = 0;   ///< along the rim, in columns of the strip
     };
+    /// A usable pixel of the ring that the strip covers.
+    struct RingPixel {
+        Place place;
+        const float* pixel;
+    };
     std::optional<Place> place(double x, double y, double deepest) const;
-    void splat(const Place& place, const float* pixel, double along_sigma);
+    std::vector<RingPixel> ring(const Image& pixels, double deepest) const;
+    void splat(const RingPixel& from, double along_sigma, int first_column, int last_column);
+    int columns() const { return strip_.width() - 1; }
 
     Outline outline_;
-    double cos_ = 1, sin_ = 0;  // of its angle
+    EllipseRows rows_;
     double first_ = 0, last_ = -1;
-    Image strip_;  // columns along the rim, rows by depth; colour and weight
+    Image strip_;  // columns along the rim, the first one again at the end; colour and weight
 };
 
 }  // namespace chromeball

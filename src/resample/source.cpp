@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "core/parallel.h"
+#include "resample/ellipse_rows.h"
 
 namespace chromeball {
 namespace {
@@ -22,6 +24,23 @@ void copy_pixel(const Image& from, int x, int y, float* to) {
     to[3] = from.channels() > 3 ? p[3] : 1.0F;
 }
 
+/// A run of pixels in a row.
+void copy_pixels(const Image& from, int x, int y, int count, float* to) {
+    if (count <= 0) return;
+    const float* p = from.pixel(x, y);
+    if (from.channels() > 3) {
+        for (int i = 0; i < count; ++i, p += from.channels(), to += 4) std::memcpy(to, p, 16);
+        return;
+    }
+    // Four floats at a time, the fourth of them overwritten; the last may be the picture's last.
+    for (int i = 0; i + 1 < count; ++i, p += 3, to += 4) {
+        std::memcpy(to, p, 16);
+        to[3] = 1;
+    }
+    std::copy_n(p, 3, to);
+    to[3] = 1;
+}
+
 template <class Work>
 void for_each_row(const Image& image, const Work& work) {
     for_each_band(image.height(), 32, [&](int first, int last) {
@@ -33,33 +52,63 @@ void for_each_row(const Image& image, const Work& work) {
 Image bordered(const Image& pixels, int border) {
     Image out({pixels.width() + 2 * border, pixels.height() + 2 * border}, 4);
     for_each_row(out, [&](int y) {
-        for (int x = 0; x < out.width(); ++x)
-            copy_pixel(pixels, std::clamp(x - border, 0, pixels.width() - 1),
-                       std::clamp(y - border, 0, pixels.height() - 1), out.pixel(x, y));
+        const int from_y = std::clamp(y - border, 0, pixels.height() - 1);
+        copy_pixels(pixels, 0, from_y, pixels.width(), out.pixel(border, y));
+        for (int i = 0; i < border; ++i) {
+            copy_pixel(pixels, 0, from_y, out.pixel(i, y));
+            copy_pixel(pixels, pixels.width() - 1, from_y, out.pixel(out.width() - 1 - i, y));
+        }
     });
     return out;
 }
 
-/// Clears every pixel of which a part, or of whose blurred light a part, lies outside the outline.
-void drop_impure(Image& pixels, const Outline& outline, double rim_blur) {
-    const double turn = outline.angle * pi / 180, c = std::cos(turn), s = std::sin(turn);
+/// The ball's pixels with a border around them, wherever the ball reaches the picture's edge, that
+/// repeats the outermost ones. Left clear is every pixel of which a part, or of whose blurred light
+/// a part, lies outside the outline (given in the bordered picture's pixels).
+Image pure_ball(const Image& pixels, int border, const Outline& outline, double rim_blur) {
+    Image out({pixels.width() + 2 * border, pixels.height() + 2 * border}, 4);
+    const EllipseRows rows(outline);
     const double inset = kBlurInset * rim_blur;
-    const double surely = std::max(0.0, 1 - (1 + inset) / outline.b);
-    for_each_row(pixels, [&](int y) {
-        for (int x = 0; x < pixels.width(); ++x) {
-            const double dx = x + 0.5 - outline.cx, dy = y + 0.5 - outline.cy;
-            const double u = (dx * c + dy * s) / outline.a, v = (dy * c - dx * s) / outline.b;
-            if (u * u + v * v < surely * surely) continue;
-            const double gu = u / outline.a, gv = v / outline.b;
-            const double gradient = std::hypot(gu, gv);
-            if (gradient == 0) continue;
-            // First-order distance to the rim, inwards, less how far the square reaches outwards.
-            const double inside = (1 - u * u - v * v) / (2 * gradient);
-            const double nx = (gu * c - gv * s) / gradient, ny = (gu * s + gv * c) / gradient;
-            if (inside < 0.5 * (std::abs(nx) + std::abs(ny)) + inset)
-                std::fill_n(pixels.pixel(x, y), 4, 0.0F);
-        }
+    const double surely = 1 - (1 + inset) / outline.b;
+    const auto is_pure = [&](int x, int y) {
+        const EllipseRows::Place p = rows.at(x + 0.5, y + 0.5);
+        const double gradient = std::hypot(p.gu, p.gv);
+        if (gradient == 0) return true;
+        const double c = rows.cosine(), s = rows.sine();
+        // First-order distance to the rim, less how far the square reaches outwards.
+        const double nx = (p.gu * c - p.gv * s) / gradient, ny = (p.gu * s + p.gv * c) / gradient;
+        return p.depth() >= 0.5 * (std::abs(nx) + std::abs(ny)) + inset;
+    };
+    const auto column = [&](double x) {
+        return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(out.width())));
+    };
+    for_each_row(out, [&](int y) {
+        const auto outer = rows.span(y + 0.5, 1);
+        if (!outer) return;
+        const int from_y = std::clamp(y - border, 0, pixels.height() - 1);
+        const auto copy = [&](int x) {
+            copy_pixel(pixels, std::clamp(x - border, 0, pixels.width() - 1), from_y,
+                       out.pixel(x, y));
+        };
+        const auto copy_if_pure = [&](int first, int last) {
+            for (int x = first; x < last; ++x)
+                if (is_pure(x, y)) copy(x);
+        };
+        const int first = column(outer->left - 1), last = column(outer->right + 1);
+        // Pixels whose middles lie in the shrunken ellipse are pure.
+        const auto inner = rows.span(y + 0.5, surely);
+        const int inner_first = inner ? column(std::ceil(inner->left - 0.5)) : last;
+        const int inner_last = inner ? std::max(inner_first, column(inner->right + 0.5)) : last;
+        copy_if_pure(first, inner_first);
+        const int plain_first = std::clamp(border, inner_first, inner_last);
+        const int plain_last = std::clamp(border + pixels.width(), plain_first, inner_last);
+        for (int x = inner_first; x < plain_first; ++x) copy(x);
+        copy_pixels(pixels, plain_first - border, from_y, plain_last - plain_first,
+                    plain_first < plain_last ? out.pixel(plain_first, y) : nullptr);
+        for (int x = plain_last; x < inner_last; ++x) copy(x);
+        copy_if_pure(inner_last, last);
     });
+    return out;
 }
 
 Outline transformed(const Outline& outline, const Affine& to) {
@@ -96,50 +145,70 @@ void sample(const Image& pixels, V2d p, float* out) {
 Image prepared_latlong(const Image& pixels, int border) {
     const int width = pixels.width(), height = pixels.height();
     Image out({width + 2 * border, height + 2 * border}, 4);
-    for (int y = 0; y < out.height(); ++y) {
+    for_each_row(out, [&](int y) {
         int from_y = y - border, turn = 0;
         if (from_y < 0 || from_y >= height) {
             from_y = from_y < 0 ? -1 - from_y : 2 * height - 1 - from_y;
             turn = width / 2;
         }
         from_y = std::clamp(from_y, 0, height - 1);
-        for (int x = 0; x < out.width(); ++x)
-            copy_pixel(pixels, ((x - border + turn) % width + width) % width, from_y,
-                       out.pixel(x, y));
-    }
+        // Runs up to where the row begins anew.
+        for (int x = 0; x < out.width();) {
+            const int from_x = ((x - border + turn) % width + width) % width;
+            const int count = std::min(out.width() - x, width - from_x);
+            copy_pixels(pixels, from_x, from_y, count, out.pixel(x, y));
+            x += count;
+        }
+    });
     return out;
 }
 
-/// The face's cell of a layout as an image of its own.
-Image face_image(const Image& pixels, const Face& face, int size) {
+/// A face of a layout as an image of its own, turned (or mirrored) as `upright` has it.
+Image face_image(const Image& pixels, const Face& face, const Face& upright, int size) {
+    // Both are spanned by the same two axes: these are 0, 1 or -1.
+    const auto sign = [](V3d a, V3d b) { return static_cast<int>(std::lround(a.dot(b))); };
+    const int xx = sign(upright.right, face.right), xy = sign(upright.down, face.right);
+    const int yx = sign(upright.right, face.down), yy = sign(upright.down, face.down);
     Image out({size, size}, 4);
-    for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
-            copy_pixel(pixels, face.column * size + x, face.row * size + y, out.pixel(x, y));
+    for_each_row(out, [&](int y) {
+        for (int x = 0; x < size; ++x) {
+            // Twice the offset of the pixel's middle from the face's.
+            const int a = 2 * x + 1 - size, b = 2 * y + 1 - size;
+            copy_pixel(pixels, face.column * size + (xx * a + xy * b + size - 1) / 2,
+                       face.row * size + (yx * a + yy * b + size - 1) / 2, out.pixel(x, y));
+        }
+    });
     return out;
 }
 
-/// Faces below each other, with borders looked up, by direction, on the faces that join there.
-Image prepared_cube(const Image& pixels, const Cube& cube, int size, int border) {
+/// Faces below each other, as the layout `openexr` has them, with borders looked up, by direction,
+/// on the faces that join there.
+Image prepared_cube(const Image& pixels, const CubeLayout& layout, int size, int border) {
+    const Cube cube;
     std::array<Image, 6> faces;
-    for (std::size_t i = 0; i < 6; ++i) faces[i] = face_image(pixels, cube.layout().faces[i], size);
+    for (std::size_t i = 0; i < 6; ++i)
+        faces[i] = face_image(pixels, layout.faces[i], cube.layout().faces[i], size);
     const int padded = size + 2 * border;
     Image out({padded, 6 * padded}, 4);
-    for (int face = 0; face < 6; ++face)
-        for (int y = 0; y < padded; ++y)
-            for (int x = 0; x < padded; ++x) {
-                float* to = out.pixel(x, face * padded + y);
-                const int fx = x - border, fy = y - border;
-                if (fx >= 0 && fx < size && fy >= 0 && fy < size) {
-                    std::copy_n(faces[static_cast<std::size_t>(face)].pixel(fx, fy), 4, to);
-                    continue;
-                }
-                const V3d d =
-                    cube.direction_on(face, 2 * (fx + 0.5) / size - 1, 2 * (fy + 0.5) / size - 1);
-                const int other = face_of(d);
-                const V2d ab = cube.coordinates_on(other, d);
-                sample(faces[static_cast<std::size_t>(other)], (ab + V2d(1, 1)) * (0.5 * size), to);
+    for_each_row(out, [&](int row) {
+        const int face = row / padded, y = row % padded, fy = y - border;
+        const bool inside = fy >= 0 && fy < size;
+        if (inside)
+            copy_pixels(faces[static_cast<std::size_t>(face)], 0, fy, size, out.pixel(border, row));
+        for (int x = 0; x < padded; ++x) {
+            const int fx = x - border;
+            if (inside && fx == 0) {
+                x += size - 1;
+                continue;
             }
+            const V3d d =
+                cube.direction_on(face, 2 * (fx + 0.5) / size - 1, 2 * (fy + 0.5) / size - 1);
+            const int other = face_of(d);
+            const V2d ab = cube.coordinates_on(other, d);
+            sample(faces[static_cast<std::size_t>(other)], (ab + V2d(1, 1)) * (0.5 * size),
+                   out.pixel(x, row));
+        }
+    });
     return out;
 }
 
@@ -153,7 +222,7 @@ Image prepared_angular(const Image& pixels, int border) {
                      dy = std::abs(2 * y / size - 1) + 1.0 / size;
         return dx * dx + dy * dy <= 1;
     };
-    for (int y = 0; y < out.height(); ++y)
+    for_each_row(out, [&](int y) {
         for (int x = 0; x < out.width(); ++x) {
             const double px = x - border + 0.5, py = y - border + 0.5;
             if (inside(px, py)) continue;
@@ -168,6 +237,7 @@ Image prepared_angular(const Image& pixels, int border) {
             };
             copy_pixel(pixels, nearest(dx), nearest(dy), out.pixel(x, y));
         }
+    });
     return out;
 }
 
@@ -197,12 +267,11 @@ Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to
     Source source;
     source.projection = ball;
     source.border = 1;
-    source.pixels = bordered(pixels, source.border);
     source.to_pixels = to_pixels;
     source.to_pixels.x0 += source.border;
     source.to_pixels.y0 += source.border;
     source.ball = transformed(ball.outline(), source.to_pixels);
-    drop_impure(source.pixels, *source.ball, rim_blur);
+    source.pixels = pure_ball(pixels, source.border, *source.ball, rim_blur);
     // Half a pixel, where the rim runs along rows, is the least at which a pixel is purely ball.
     source.rim = RimStrip(source.pixels, *source.ball, 0.5 + kBlurInset * rim_blur);
     source.left = source.top = source.border;
@@ -227,7 +296,8 @@ Source map_source(const Image& pixels, const Layout& layout) {
                         static_cast<double>(pixels.height()), static_cast<double>(source.border)};
     if (const auto* cube = std::get_if<Cube>(&layout.projection)) {
         source.face_size = size;
-        source.pixels = prepared_cube(pixels, *cube, size, source.border);
+        source.pixels = prepared_cube(pixels, cube->layout(), size, source.border);
+        source.projection = Cube();
     } else if (std::holds_alternative<LatLong>(layout.projection)) {
         source.pixels = prepared_latlong(pixels, source.border);
     } else {

@@ -19,7 +19,8 @@ struct Source {
     AnyProjection projection;
     Image pixels;  ///< prepared; 4 channels
     int border = 1;
-    /// Of a cube: the width of a face; the faces stand below each other, each with its border.
+    /// Of a cube: the width of a face; whatever the layout was, the faces stand below each other as
+    /// in `openexr` (so does the projection say), each with its border.
     int face_size = 0;
     /// Projection position -> pixel position in `pixels` (of a cube: not used).
     Affine to_pixels;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -20,6 +21,44 @@ inline Rgbw bilinear_tap(ImageView<const float> pixels, V2d p) {
     sum.add((1 - fx) * fy, below);
     sum.add(fx * fy, below + 4);
     return sum;
+}
+
+/// A slope at a sample from the differences to the ones before and after: their mean, but 0 at
+/// extremes and at most three times the smaller, so that a cubic through the samples is monotonic
+/// wherever they are. Fritsch, Carlson: Monotone Piecewise Cubic Interpolation, 1980.
+inline float cubic_slope(float before, float after) {
+    const float low = 3 * std::min(before, after), high = 3 * std::max(before, after);
+    const float mean = 0.5F * (before + after);
+    return std::max(std::min(mean, std::max(low, 0.0F)), std::min(high, 0.0F));
+}
+
+/// The cubic between p[1] and p[2], t in [0, 1].
+inline float monotone_cubic(const float (&p)[4], float t) {
+    const float rise = p[2] - p[1];
+    const float m1 = cubic_slope(p[1] - p[0], rise), m2 = cubic_slope(rise, p[3] - p[2]);
+    const float bend = m1 + m2 - 2 * rise, c2 = rise - m1 - bend;
+    const float value = p[1] + t * (m1 + t * (c2 + t * bend));
+    return std::clamp(value, std::min(p[1], p[2]), std::max(p[1], p[2]));
+}
+
+/// Between the 4 x 4 pixels around a position, first along rows. Sharper than bilinear where the
+/// picture is magnified; never outside the range of the pixels around; and as every slope enters
+/// the integrals to its left and right with opposite signs, the mean over the picture is that of
+/// its pixels. All 16 must exist.
+inline Rgbw cubic_tap(ImageView<const float> pixels, V2d p) {
+    const double x = p.x - 0.5, y = p.y - 0.5;
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
+    float sum[4];
+    for (int c = 0; c < 4; ++c) {
+        float rows[4];
+        for (int j = 0; j < 4; ++j) {
+            const float* row = pixels.pixel(x0 - 1, y0 - 1 + j) + c;
+            rows[j] = monotone_cubic({row[0], row[4], row[8], row[12]}, fx);
+        }
+        sum[c] = monotone_cubic(rows, fy);
+    }
+    return {sum[0], sum[1], sum[2], sum[3]};
 }
 
 /// Where a source's projection P puts a direction, in its prepared pixels, and what is there.
@@ -48,8 +87,9 @@ public:
         }
     }
 
-    /// Whether everything within `reach` of a position lies on the same side of all seams.
-    bool seamless(V2d at, V2d reach) const {
+    /// Whether everything within `reach` of a position can be taken from the picture without a look
+    /// at seams, or at a ball's rim or the photo's edge.
+    bool whole(V2d at, V2d reach) const {
         if constexpr (std::is_same_v<P, Cube>) {
             const double padded = source_.face_size + 2 * source_.border;
             const double y = at.y - padded * std::floor(at.y / padded);
@@ -58,9 +98,25 @@ public:
         } else if constexpr (std::is_same_v<P, LatLong>) {
             return at.x - reach.x >= 0.5 && at.x + reach.x <= pixels_.size.width - 0.5 &&
                    at.y - reach.y >= 0.5 && at.y + reach.y <= pixels_.size.height - 0.5;
+        } else if constexpr (std::is_same_v<P, MirrorBall>) {
+            const double inner = 1 - (source_.rim.last_depth() + reach.length()) / source_.ball->b;
+            return at.x - reach.x >= source_.left && at.x + reach.x <= source_.right &&
+                   at.y - reach.y >= source_.top && at.y + reach.y <= source_.bottom && inner > 0 &&
+                   EllipseRows(*source_.ball).at(at.x, at.y).square < inner * inner;
         } else {
             return true;
         }
+    }
+
+    /// A cubic's value at a position; nothing where some pixel that it needs must not be used.
+    std::optional<Rgbw> cubic(V2d at) const {
+        constexpr double kReach = 2.01;  // two pixels, and a bit
+        if (source_.ball && !whole(at, {kReach, kReach})) return std::nullopt;
+        Rgbw sum = cubic_tap(pixels_, at);
+        if (!source_.ball) return sum;
+        if (!(sum.w > 0.9999F)) return std::nullopt;
+        const float scale = 1 / sum.w;
+        return Rgbw{sum.r * scale, sum.g * scale, sum.b * scale, 1};
     }
 
     /// Colour and weight at a position; nothing where the picture has nothing to show.

@@ -74,16 +74,15 @@ TEST(BallSource, TakesThePhotosOwnAlpha) {
 TEST(MapSource, HasABorderThatHoldsWhatLiesBeyondTheSeam) {
     const int n = 32;
     for (const Layout& layout : layouts()) {
-        const auto* cube = std::get_if<Cube>(&layout.projection);
-        if (!cube) continue;
+        if (!std::holds_alternative<Cube>(layout.projection)) continue;
         const Source source = map_source(painted_map(layout, n, smooth_world), layout);
         const int padded = n + 2 * source.border;
         ASSERT_EQ(source.pixels.size(), (Size{padded, 6 * padded})) << layout.name;
         for (int face = 0; face < 6; ++face)
             for (int y = 0; y < padded; ++y)
                 for (int x = 0; x < padded; ++x) {
-                    const V3d d = cube->direction_on(face, 2 * (x - source.border + 0.5) / n - 1,
-                                                     2 * (y - source.border + 0.5) / n - 1);
+                    const V3d d = Cube().direction_on(face, 2 * (x - source.border + 0.5) / n - 1,
+                                                      2 * (y - source.border + 0.5) / n - 1);
                     const float* p = source.pixels.pixel(x, face * padded + y);
                     const V3d off = V3d(p[0], p[1], p[2]) - smooth_world(d);
                     // In a border clamped to the last half pixel of the next face: 1.2 a radian
@@ -148,11 +147,11 @@ TEST(Lookup, KnowsWhereASeamIsNear) {
     const Layout& layout = *find_layout("openexr");
     const Source source = map_source(painted_map(layout, 16, smooth_world), layout);
     const Lookup<Cube> lookup(source);
-    EXPECT_TRUE(lookup.seamless(*lookup.locate(V3d(0, 0, 1)), {3, 3}));
-    EXPECT_FALSE(lookup.seamless(*lookup.locate(V3d(0, 0, 1)), {12, 3}));
-    EXPECT_FALSE(lookup.seamless(*lookup.locate(V3d(0.99, 0, 1)), {3, 3}));
-    EXPECT_FALSE(lookup.seamless(*lookup.locate(V3d(0, 0.99, 1)), {3, 3}));
-    EXPECT_TRUE(lookup.seamless(*lookup.locate(V3d(0, 0.99, 1)), {3, 1}));
+    EXPECT_TRUE(lookup.whole(*lookup.locate(V3d(0, 0, 1)), {3, 3}));
+    EXPECT_FALSE(lookup.whole(*lookup.locate(V3d(0, 0, 1)), {12, 3}));
+    EXPECT_FALSE(lookup.whole(*lookup.locate(V3d(0.99, 0, 1)), {3, 3}));
+    EXPECT_FALSE(lookup.whole(*lookup.locate(V3d(0, 0.99, 1)), {3, 3}));
+    EXPECT_TRUE(lookup.whole(*lookup.locate(V3d(0, 0.99, 1)), {3, 1}));
 }
 
 }  // namespace
