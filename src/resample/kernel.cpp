@@ -19,6 +19,7 @@
 #define CHROMEBALL_RESAMPLE_KERNEL_ONCE
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 namespace chromeball::kernel {
 namespace {
@@ -33,6 +34,9 @@ constexpr std::int32_t kFour = 0, kMany = 1, kCubic = 2, kExact = 3;
 
 /// As kMagnified of the scalar reference, and how far from its position its cubic looks, and a bit.
 constexpr float kMagnified = 0.7F, kCubicReach = 2.01F;
+
+/// As kNearlyStraight of the scalar reference.
+constexpr float kNearlyStraight = 0.1F;
 
 /// Positions of a row's pixels: [0] is the left neighbour of the first.
 struct alignas(64) PlacedRow {
@@ -70,6 +74,43 @@ struct alignas(64) ExactRow {
     float taps[kRow];
     double sum[kRow][4];
 };
+
+/// Where the taps of a pixel lie in it, from -1/2 to 1/2, row by row.
+struct alignas(64) TapGrid {
+    static constexpr int kMostTaps = 64;
+    float x[kMostTaps + kMostLanes] = {}, y[kMostTaps + kMostLanes] = {};
+};
+
+/// The grids of up to kMostTaps taps, made once.
+class TapGrids {
+public:
+    TapGrids() {
+        for (int nx = 1; nx <= TapGrid::kMostTaps; ++nx)
+            for (int ny = 1; nx * ny <= TapGrid::kMostTaps; ++ny) {
+                TapGrid grid;
+                for (int k = 0; k < nx * ny; ++k) {
+                    grid.x[k] = (static_cast<float>(k % nx) + 0.5F) / static_cast<float>(nx) - 0.5F;
+                    grid.y[k] = (static_cast<float>(k / nx) + 0.5F) / static_cast<float>(ny) - 0.5F;
+                }
+                if (ny == 1) first_[nx] = grids_.size();
+                grids_.push_back(grid);
+            }
+    }
+    /// Null for more taps.
+    const TapGrid* find(int nx, int ny) const {
+        if (nx * ny > TapGrid::kMostTaps) return nullptr;
+        return &grids_[first_[nx] + static_cast<std::size_t>(ny - 1)];
+    }
+
+private:
+    std::size_t first_[TapGrid::kMostTaps + 1] = {};
+    std::vector<TapGrid> grids_;
+};
+
+const TapGrids& tap_grids() {
+    static const TapGrids grids;
+    return grids;
+}
 
 struct Scratch {
     PlacedRow placed[3];
@@ -258,7 +299,10 @@ private:
             const V bend = load(row.bend + c);
             const auto known = hn::Lt(bend, set(kNowhere));
             auto cubic = hn::And(known, hn::Lt(hn::Max(length_x, length_y), set(kMagnified)));
-            const auto straight = hn::Lt(bend, set(kCurved));
+            const auto straight = hn::Or(
+                hn::Lt(bend, set(kCurved)),
+                hn::And(hn::Lt(bend, set(kNowhere)), hn::And(nearly_straight(left, right, x, y),
+                                                             nearly_straight(up, down, x, y))));
             auto simple = hn::And(straight, whole(x, y, reach_x, reach_y));
             if (source_.shape == SourceForm::Shape::ball)
                 cubic = hn::And(cubic, whole(x, y, set(kCubicReach), set(kCubicReach)));
@@ -311,6 +355,16 @@ private:
         const Place p =
             CubeSource(source_).on_face(load(row.dx + i), load(row.dy + i), load(row.dz + i), face);
         return {p.x, p.y, load(row.target_bend + i)};
+    }
+
+    /// Whether a pixel between two neighbours lies where a straight line puts it, near enough.
+    HWY_INLINE hn::Mask<D> nearly_straight(const Neighbour& before, const Neighbour& after, V x,
+                                           V y) const {
+        const V two = set(2), limit = set(kNearlyStraight), nowhere = set(kNowhere);
+        const V bend_x = hn::Abs(hn::NegMulAdd(two, x, hn::Add(before.x, after.x)));
+        const V bend_y = hn::Abs(hn::NegMulAdd(two, y, hn::Add(before.y, after.y)));
+        return hn::And(hn::Lt(hn::Max(bend_x, bend_y), limit),
+                       hn::And(hn::Lt(before.bend, nowhere), hn::Lt(after.bend, nowhere)));
     }
 
     /// A step in a lat-long, the short way round.
@@ -381,12 +435,32 @@ private:
         }
     }
 
+    /// Taps along the Jacobian.
+    Pixel grid_taps(int i, const TapGrid& grid, int count) const {
+        const SortedRow& row = s_.sorted;
+        const PlacedRow& placed = *middle_;
+        alignas(64) std::int32_t at[TapGrid::kMostTaps + kMostLanes];
+        alignas(64) float fx[TapGrid::kMostTaps + kMostLanes], fy[TapGrid::kMostTaps + kMostLanes];
+        const V x = set(placed.x[i + 1]), y = set(placed.y[i + 1]), face = set(placed.face[i + 1]);
+        const V xx = set(row.xx[i]), xy = set(row.xy[i]), yx = set(row.yx[i]), yy = set(row.yy[i]);
+        for (int k = 0; k < count; k += static_cast<int>(lanes())) {
+            const V s = load(grid.x + k), t = load(grid.y + k);
+            split(hn::MulAdd(s, xx, hn::MulAdd(t, yx, x)), hn::MulAdd(s, xy, hn::MulAdd(t, yy, y)),
+                  face, at + k, fx + k, fy + k);
+        }
+        const std::ptrdiff_t down = 4 * static_cast<std::ptrdiff_t>(source_.stride);
+        TapSum sum;
+        for (int k = 0; k < count; ++k) sum.add(pixel(at[k]), down, fx[k], fy[k]);
+        return sum.total();
+    }
+
     /// nx x ny taps along the Jacobian.
     Pixel many_taps(int i) const {
         const SortedRow& row = s_.sorted;
         const PlacedRow& placed = *middle_;
         const std::ptrdiff_t down = 4 * static_cast<std::ptrdiff_t>(source_.stride);
         const int nx = row.nx[i], ny = row.ny[i];
+        if (const TapGrid* grid = grids_.find(nx, ny)) return grid_taps(i, *grid, nx * ny);
         alignas(64) std::int32_t at[64 + kMostLanes];
         alignas(64) float fx[64 + kMostLanes], fy[64 + kMostLanes];
         const D d;
@@ -418,10 +492,15 @@ private:
             std::fill_n(exact.sum[k], 4, 0.0);
             const float left = static_cast<float>(tile_.x0 + i) - 0.5F * tile_.target.width;
             const float top = static_cast<float>(y) - 0.5F * tile_.target.height;
+            if (const TapGrid* grid = grids_.find(nx, ny)) {
+                collect(k, left + 0.5F, top + 0.5F, *grid, nx * ny);
+                continue;
+            }
+            const float right = 1 / static_cast<float>(nx), down = 1 / static_cast<float>(ny);
             for (int j = 0; j < ny; ++j)
                 for (int m = 0; m < nx; ++m)
-                    collect(k, left + (static_cast<float>(m) + 0.5F) / static_cast<float>(nx),
-                            top + (static_cast<float>(j) + 0.5F) / static_cast<float>(ny));
+                    collect(k, left + (static_cast<float>(m) + 0.5F) * right,
+                            top + (static_cast<float>(j) + 0.5F) * down);
         }
         flush();
         for (int k = 0; k < exact.count; ++k) {
@@ -432,12 +511,24 @@ private:
         }
     }
 
+    void collect(int pixel, float x, float y, const TapGrid& grid, int count) {
+        Batch& batch = s_.batch;
+        if (batch.count + count > kBatch) flush();
+        for (int k = 0; k < count; k += static_cast<int>(lanes())) {
+            store(hn::Add(set(x), load(grid.x + k)), batch.x + batch.count + k);
+            store(hn::Add(set(y), load(grid.y + k)), batch.y + batch.count + k);
+        }
+        std::fill_n(batch.pixel + batch.count, count, pixel);
+        batch.count += count;
+    }
+
     void collect(int pixel, float x, float y) {
         Batch& batch = s_.batch;
+        if (batch.count == kBatch) flush();
         batch.x[batch.count] = x;
         batch.y[batch.count] = y;
         batch.pixel[batch.count] = pixel;
-        if (++batch.count == kBatch) flush();
+        ++batch.count;
     }
 
     void flush() {
@@ -451,8 +542,16 @@ private:
         places(source_, batch.dx, batch.dy, batch.dz, batch.bend, count, batch.px, batch.py,
                batch.face, batch.bend);
         prepare(count);
-        for (int k = 0; k < batch.count; ++k)
-            if (batch.inside[k] > 0) add_exact(k);
+        // The taps of a pixel follow each other.
+        for (int k = 0; k < batch.count;) {
+            const int pixel = batch.pixel[k];
+            Pixel sum = gray(0);
+            for (; k < batch.count && batch.pixel[k] == pixel; ++k)
+                if (batch.inside[k] > 0) sum = add(sum, exact_tap(k));
+            float values[4];
+            store_pixel(sum, values);
+            for (int c = 0; c < 4; ++c) s_.exact.sum[pixel][c] += static_cast<double>(values[c]);
+        }
         batch.count = 0;
     }
 
@@ -507,29 +606,21 @@ private:
         store(hn::Sub(row, hn::ConvertTo(d, line)), batch.strip_fy + i);
     }
 
-    HWY_INLINE void add_exact(int k) {
-        Batch& batch = s_.batch;
-        double* sum = s_.exact.sum[batch.pixel[k]];
+    HWY_INLINE Pixel exact_tap(int k) const {
+        const Batch& batch = s_.batch;
+        if (source_.shape != SourceForm::Shape::ball) return image_tap(k);
+        const StripForm& strip = source_.strip;
         Pixel value = gray(0);
-        if (source_.shape != SourceForm::Shape::ball) {
-            value = image_tap(k);
-        } else {
-            const StripForm& strip = source_.strip;
-            if (strip.pixels && batch.strip_at[k] >= 0) {
-                TapSum tap;
-                tap.add(strip.pixels + 4 * static_cast<std::ptrdiff_t>(batch.strip_at[k]),
-                        4 * (static_cast<std::ptrdiff_t>(strip.columns) + 1), batch.strip_fx[k],
-                        batch.strip_fy[k]);
-                value = tap.total();
-            }
-            if (!(alpha_of(value) > 1e-12F)) value = image_tap(k);
-            const float weight = alpha_of(value);
-            if (!(weight > 0)) return;
-            value = divide(value, gray(weight));
+        if (strip.pixels && batch.strip_at[k] >= 0) {
+            TapSum tap;
+            tap.add(strip.pixels + 4 * static_cast<std::ptrdiff_t>(batch.strip_at[k]),
+                    4 * (static_cast<std::ptrdiff_t>(strip.columns) + 1), batch.strip_fx[k],
+                    batch.strip_fy[k]);
+            value = tap.total();
         }
-        float values[4];
-        store_pixel(value, values);
-        for (int c = 0; c < 4; ++c) sum[c] += static_cast<double>(values[c]);
+        if (!(alpha_of(value) > 1e-12F)) value = image_tap(k);
+        const float weight = alpha_of(value);
+        return weight > 0 ? divide(value, gray(weight)) : gray(0);
     }
 
     HWY_INLINE Pixel image_tap(int k) const {
@@ -544,6 +635,7 @@ private:
     bool adaptive_;
     const Tile& tile_;
     Scratch& s_;
+    const TapGrids& grids_ = tap_grids();
     const PlacedRow* middle_ = nullptr;
     int width_ = 0;
 };

@@ -166,6 +166,12 @@ HWY_INLINE P monotone_cubic(P p0, P p1, P p2, P p3, P t, P half, P three, P zero
     return higher(lower(value, higher(p1, p2)), lower(p1, p2));
 }
 
+#if HWY_MAX_BYTES >= 32
+HWY_INLINE V8 below_each_other(const float* pixel, std::ptrdiff_t row) {
+    return hn::Combine(D8(), load_pixel(pixel + row), load_pixel(pixel));
+}
+#endif
+
 /// The monotone cubic through 4 x 4 pixels; pixel: the upper left of the inner four.
 HWY_INLINE Pixel cubic_tap(const float* pixel, std::ptrdiff_t row, float fx, float fy) {
     const float* top = pixel - row;
@@ -174,13 +180,13 @@ HWY_INLINE Pixel cubic_tap(const float* pixel, std::ptrdiff_t row, float fx, flo
     const D8 d;
     const V8 half2 = hn::Set(d, 0.5F), three2 = hn::Set(d, 3), zero2 = hn::Zero(d),
              across = hn::Set(d, fx);
-    const auto two_rows = [&](const float* first) HWY_ATTR {
-        const auto both = [&](int i) HWY_ATTR {
-            return hn::Combine(d, load_pixel(first + row + 4 * i), load_pixel(first + 4 * i));
-        };
-        return monotone_cubic(both(-1), both(0), both(1), both(2), across, half2, three2, zero2);
-    };
-    const V8 upper = two_rows(top), under = two_rows(pixel + row);
+    const V8 upper = monotone_cubic(below_each_other(top - 4, row), below_each_other(top, row),
+                                    below_each_other(top + 4, row), below_each_other(top + 8, row),
+                                    across, half2, three2, zero2);
+    const float* third = pixel + row;
+    const V8 under = monotone_cubic(below_each_other(third - 4, row), below_each_other(third, row),
+                                    below_each_other(third + 4, row),
+                                    below_each_other(third + 8, row), across, half2, three2, zero2);
     const D4 d4;
     return monotone_cubic(hn::LowerHalf(d4, upper), hn::UpperHalf(d4, upper),
                           hn::LowerHalf(d4, under), hn::UpperHalf(d4, under), down, half, three,

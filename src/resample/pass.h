@@ -40,6 +40,10 @@ inline int sample_count(double footprint) {
 /// source's pixels have blurred it more than the output's own area does.
 constexpr double kMagnified = 0.7;
 
+/// Where mappings are said to bend strongly, taps are still taken along straight lines if a step of
+/// the output bends by less than that, in source pixels: by an eighth of it within the pixel.
+constexpr double kNearlyStraight = 0.1;
+
 /// One output picture: target T drawn from source P.
 template <class T, class P>
 class Pass {
@@ -68,7 +72,8 @@ public:
                 return sum;
             }
         }
-        if (steep || !lookup_.whole(centre, reach)) return exact_sum(x, y, nx, ny);
+        if ((steep && !nearly_straight(x, y)) || !lookup_.whole(centre, reach))
+            return exact_sum(x, y, nx, ny);
         Sum sum;
         for (int j = 0; j < ny; ++j) {
             const V2d row = centre + by_y * ((j + 0.5) / ny - 0.5);
@@ -85,6 +90,25 @@ private:
     };
 
     V2d position(double x, double y) const { return {x / size_.width, y / size_.height}; }
+
+    /// Where the source shows a pixel's middle, if it does.
+    std::optional<V2d> middle(int x, int y) const {
+        const auto d = target_.to_direction(position(x + 0.5, y + 0.5));
+        return d ? lookup_.locate(rotation_ * *d) : std::nullopt;
+    }
+
+    /// Whether a pixel's middle lies between its neighbours' where straight lines put it.
+    bool nearly_straight(int x, int y) const {
+        const auto at = middle(x, y);
+        const auto left = middle(x - 1, y), right = middle(x + 1, y), up = middle(x, y - 1),
+                   down = middle(x, y + 1);
+        if (!at || !left || !right || !up || !down) return false;
+        const auto bend = [&](V2d before, V2d after) {
+            const V2d off = before + after - *at * 2.0;
+            return std::max(std::abs(off.x), std::abs(off.y));
+        };
+        return std::max(bend(*left, *right), bend(*up, *down)) < kNearlyStraight;
+    }
 
     Footprint footprint(int x, int y) const {
         // Off the middle by a little that no symmetry hits: a pole or the ball's axis has no
@@ -131,12 +155,12 @@ constexpr int kBandRows = 8;
 
 /// Calls draw(x, y) for all pixels and stores what it sums up.
 template <class Draw>
-void for_each_pixel(Image& out, const Watch& watch, const Draw& draw) {
+void for_each_pixel(ImageView<float> out, const Watch& watch, const Draw& draw) {
     for_each_band(
-        out.height(), kBandRows,
+        out.size.height, kBandRows,
         [&](int first, int last) {
             for (int y = first; y < last; ++y)
-                for (int x = 0; x < out.width(); ++x) draw(x, y).store(out.pixel(x, y));
+                for (int x = 0; x < out.size.width; ++x) draw(x, y).store(out.pixel(x, y));
         },
         watch);
 }

@@ -1,6 +1,7 @@
 #include "resample/resample.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -41,27 +42,42 @@ std::optional<Rgbw> pure_cubic_tap(ImageView<const float> pixels, V2d p) {
     return cubic_tap(pixels, p);
 }
 
-}  // namespace
-
-Image resample(const Source& source, const Layout& layout, int size, const ResampleOptions& options,
-               const Watch& watch) {
+/// Draws into pixels that are 0 wherever the layout shows nothing.
+void draw(const Source& source, const Layout& layout, ImageView<float> out,
+          const ResampleOptions& options, const Watch& watch) {
+    const int size = out.size.width / layout.width_units;
+    assert(out.channels == 4 && out.size == layout.picture(size));
     const auto plan = plan_of(source, layout, size, options);
-    if (!plan) return scalar::resample(source, layout, size, options, watch);
-    Image out(layout.picture(size), 4);
-    const ImageView<float> view = out.view();
+    if (!plan) return scalar::resample(source, layout, out, options, watch);
     for_each_band(
         static_cast<int>(plan->tiles.size()), 1,
         [&](int first, int last) {
             for (int i = first; i < last; ++i) {
                 const PlannedTile& planned = plan->tiles[static_cast<std::size_t>(i)];
                 kernel::Tile tile = planned.tile;
-                tile.out = view.pixel(planned.cell_x, planned.cell_y);
-                tile.stride = view.stride;
+                tile.out = out.pixel(planned.cell_x, planned.cell_y);
+                tile.stride = out.stride;
                 kernel::draw(plan->job, tile);
             }
         },
         watch);
+}
+
+}  // namespace
+
+Image resample(const Source& source, const Layout& layout, int size, const ResampleOptions& options,
+               const Watch& watch) {
+    Image out(layout.picture(size), 4);
+    draw(source, layout, out.view(), options, watch);
     return out;
+}
+
+void resample(const Source& source, const Layout& layout, ImageView<float> out,
+              const ResampleOptions& options, const Watch& watch) {
+    if (layout.directed_area() < layout.width_units * layout.height_units)
+        for (int y = 0; y < out.size.height; ++y)
+            std::fill_n(out.row(y), 4 * static_cast<std::ptrdiff_t>(out.size.width), 0.0F);
+    draw(source, layout, out, options, watch);
 }
 
 Image render_ball(const Source& map, const MirrorBall& ball, const Window& region,
@@ -72,7 +88,7 @@ Image render_ball(const Source& map, const MirrorBall& ball, const Window& regio
         [&]<class P>(const P&) {
             const Lookup<P> lookup(map);
             const Pass<BallInRegion, P> pass(target, out.size(), rotation, lookup);
-            for_each_pixel(out, watch, [&](int x, int y) { return pass.adaptive(x, y); });
+            for_each_pixel(out.view(), watch, [&](int x, int y) { return pass.adaptive(x, y); });
         },
         map.projection);
     return out;
@@ -91,7 +107,7 @@ Image crop_ball(const Image& pixels, const Outline& outline, const Affine& to_pi
     const Lookup<MirrorBall> lookup(source);
     const Affine to_photo = crop_of(outline, size).inverse();
     Image out({size, size}, 4);
-    for_each_pixel(out, watch, [&](int x, int y) {
+    for_each_pixel(out.view(), watch, [&](int x, int y) {
         // Alpha is the part of the pixel inside the circle; colour is the ball's throughout.
         constexpr int kGrid = 4;
         int inside = 0;

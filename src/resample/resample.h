@@ -35,6 +35,10 @@ struct ResampleOptions {
 Image resample(const Source& source, const Layout& layout, int size,
                const ResampleOptions& options = {}, const Watch& watch = {});
 
+/// The same into pixels that are there already: four channels, of layout.picture(n) for some n.
+void resample(const Source& source, const Layout& layout, ImageView<float> out,
+              const ResampleOptions& options = {}, const Watch& watch = {});
+
 /// The ball of a photo painted again, lit by a map: RGBA, of region.size, alpha 0 where there is no
 /// ball.
 ///

@@ -10,4 +10,8 @@ namespace chromeball::scalar {
 Image resample(const Source& source, const Layout& layout, int size,
                const ResampleOptions& options = {}, const Watch& watch = {});
 
+/// Into pixels that are 0.
+void resample(const Source& source, const Layout& layout, ImageView<float> out,
+              const ResampleOptions& options = {}, const Watch& watch = {});
+
 }  // namespace chromeball::scalar
