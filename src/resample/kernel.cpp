@@ -18,6 +18,7 @@
 #ifndef CHROMEBALL_RESAMPLE_KERNEL_ONCE
 #define CHROMEBALL_RESAMPLE_KERNEL_ONCE
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -71,7 +72,7 @@ struct alignas(64) Batch {
 struct alignas(64) ExactRow {
     int count = 0;
     int pixel[kRow];
-    float taps[kRow];
+    double taps[kRow];
     double sum[kRow][4];
 };
 
@@ -299,10 +300,9 @@ private:
             const V bend = load(row.bend + c);
             const auto known = hn::Lt(bend, set(kNowhere));
             auto cubic = hn::And(known, hn::Lt(hn::Max(length_x, length_y), set(kMagnified)));
-            const auto straight = hn::Or(
-                hn::Lt(bend, set(kCurved)),
-                hn::And(hn::Lt(bend, set(kNowhere)), hn::And(nearly_straight(left, right, x, y),
-                                                             nearly_straight(up, down, x, y))));
+            const auto straight = hn::Or(hn::Lt(bend, set(kCurved)),
+                                         hn::And(known, hn::And(nearly_straight(left, right, x, y),
+                                                                nearly_straight(up, down, x, y))));
             auto simple = hn::And(straight, whole(x, y, reach_x, reach_y));
             if (source_.shape == SourceForm::Shape::ball)
                 cubic = hn::And(cubic, whole(x, y, set(kCubicReach), set(kCubicReach)));
@@ -408,7 +408,7 @@ private:
             }
             Pixel total;
             float taps = kTaps;
-            if (row.what[i] == kFour) {
+            if (kTaps == 1 || row.what[i] == kFour) {
                 TapSum sum;
                 for (int k = 0; k < kTaps; ++k)
                     sum.add(pixel(row.at[k][i]), down, row.fx[k][i], row.fy[k][i]);
@@ -431,7 +431,12 @@ private:
             } else {
                 total = divide(total, gray(taps));
             }
-            store_pixel(total, out + 4 * i);
+            // Where there is little to do a pixel, a large picture takes its way past the caches:
+            // they need not read what is written.
+            if (kTaps == 1 && tile_.large)
+                stream_pixel(total, out + 4 * i);
+            else
+                store_pixel(total, out + 4 * i);
         }
     }
 
@@ -487,8 +492,9 @@ private:
         ExactRow& exact = s_.exact;
         for (int k = 0; k < exact.count; ++k) {
             const int i = exact.pixel[k];
-            const int nx = adaptive_ ? s_.sorted.nx[i] : 1, ny = adaptive_ ? s_.sorted.ny[i] : 1;
-            exact.taps[k] = static_cast<float>(nx * ny);
+            const int nx = adaptive_ ? s_.sorted.nx[i] : 1;
+            const int ny = adaptive_ ? s_.sorted.ny[i] : 1;
+            exact.taps[k] = static_cast<double>(nx * ny);
             std::fill_n(exact.sum[k], 4, 0.0);
             const float left = static_cast<float>(tile_.x0 + i) - 0.5F * tile_.target.width;
             const float top = static_cast<float>(y) - 0.5F * tile_.target.height;
@@ -496,16 +502,14 @@ private:
                 collect(k, left + 0.5F, top + 0.5F, *grid, nx * ny);
                 continue;
             }
-            const float right = 1 / static_cast<float>(nx), down = 1 / static_cast<float>(ny);
+            const float down = 1 / static_cast<float>(ny);
             for (int j = 0; j < ny; ++j)
-                for (int m = 0; m < nx; ++m)
-                    collect(k, left + (static_cast<float>(m) + 0.5F) * right,
-                            top + (static_cast<float>(j) + 0.5F) * down);
+                collect(k, left, top + (static_cast<float>(j) + 0.5F) * down, nx);
         }
         flush();
         for (int k = 0; k < exact.count; ++k) {
             float* to = out + 4 * static_cast<std::ptrdiff_t>(exact.pixel[k]);
-            const double taps = static_cast<double>(exact.taps[k]);
+            const double taps = exact.taps[k];
             for (int c = 0; c < 4; ++c) to[c] = static_cast<float>(exact.sum[k][c] / taps);
             to[3] = std::min(to[3], 1.0F);
         }
@@ -522,13 +526,18 @@ private:
         batch.count += count;
     }
 
-    void collect(int pixel, float x, float y) {
+    /// A row of taps from a pixel's left side to its right.
+    void collect(int pixel, float left, float y, int count) {
         Batch& batch = s_.batch;
-        if (batch.count == kBatch) flush();
-        batch.x[batch.count] = x;
-        batch.y[batch.count] = y;
-        batch.pixel[batch.count] = pixel;
-        ++batch.count;
+        if (batch.count + count > kBatch) flush();
+        const V step = set(1 / static_cast<float>(count));
+        for (int k = 0; k < count; k += static_cast<int>(lanes())) {
+            const V middle = hn::Add(hn::Iota(D(), static_cast<float>(k)), set(0.5F));
+            store(hn::MulAdd(middle, step, set(left)), batch.x + batch.count + k);
+            store(set(y), batch.y + batch.count + k);
+        }
+        std::fill_n(batch.pixel + batch.count, count, pixel);
+        batch.count += count;
     }
 
     void flush() {

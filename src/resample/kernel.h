@@ -80,6 +80,8 @@ struct Tile {
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
     float* out = nullptr;
     std::ptrdiff_t stride = 0;  ///< floats from row to row
+    /// The whole picture is larger than caches, and its pixels start on multiples of 16 bytes.
+    bool large = false;
 };
 
 /// At most that wide.

@@ -23,6 +23,7 @@ struct Pixel {
 };
 HWY_INLINE Pixel load_pixel(const float* p) { return {{p[0], p[1], p[2], p[3]}}; }
 HWY_INLINE void store_pixel(const Pixel& pixel, float* to) { std::copy_n(pixel.v, 4, to); }
+HWY_INLINE void stream_pixel(const Pixel& pixel, float* to) { store_pixel(pixel, to); }
 HWY_INLINE float alpha_of(const Pixel& pixel) { return pixel.v[3]; }
 HWY_INLINE Pixel gray(float x) { return {{x, x, x, x}}; }
 template <class F>
@@ -58,6 +59,8 @@ using D4 = hn::FixedTag<float, 4>;
 using Pixel = hn::Vec<D4>;
 HWY_INLINE Pixel load_pixel(const float* p) { return hn::LoadU(D4(), p); }
 HWY_INLINE void store_pixel(Pixel pixel, float* to) { hn::StoreU(pixel, D4(), to); }
+/// Past the caches; to: on a multiple of 16 bytes.
+HWY_INLINE void stream_pixel(Pixel pixel, float* to) { hn::Stream(pixel, D4(), to); }
 HWY_INLINE float alpha_of(Pixel pixel) { return hn::ExtractLane(pixel, 3); }
 HWY_INLINE Pixel gray(float x) { return hn::Set(D4(), x); }
 HWY_INLINE Pixel divide(Pixel a, Pixel b) { return hn::Div(a, b); }

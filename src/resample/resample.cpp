@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
 #include "core/parallel.h"
@@ -42,6 +43,9 @@ std::optional<Rgbw> pure_cubic_tap(ImageView<const float> pixels, V2d p) {
     return cubic_tap(pixels, p);
 }
 
+/// A picture as large as that leaves nothing of itself in caches that are shared with others.
+constexpr std::size_t kCacheBytes = std::size_t{32} << 20;
+
 /// Draws into pixels that are 0 wherever the layout shows nothing.
 void draw(const Source& source, const Layout& layout, ImageView<float> out,
           const ResampleOptions& options, const Watch& watch) {
@@ -49,6 +53,8 @@ void draw(const Source& source, const Layout& layout, ImageView<float> out,
     assert(out.channels == 4 && out.size == layout.picture(size));
     const auto plan = plan_of(source, layout, size, options);
     if (!plan) return scalar::resample(source, layout, out, options, watch);
+    const bool large = out.size.pixels() * 16 > kCacheBytes && out.stride % 4 == 0 &&
+                       reinterpret_cast<std::uintptr_t>(out.data) % 16 == 0;
     for_each_band(
         static_cast<int>(plan->tiles.size()), 1,
         [&](int first, int last) {
@@ -57,6 +63,7 @@ void draw(const Source& source, const Layout& layout, ImageView<float> out,
                 kernel::Tile tile = planned.tile;
                 tile.out = out.pixel(planned.cell_x, planned.cell_y);
                 tile.stride = out.stride;
+                tile.large = large;
                 kernel::draw(plan->job, tile);
             }
         },
