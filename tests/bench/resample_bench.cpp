@@ -1,5 +1,7 @@
 #include <benchmark/benchmark.h>
 
+#include <cmath>
+
 #include "core/parallel.h"
 #include "resample/resample.h"
 
@@ -24,7 +26,7 @@ MirrorBall ball(int diameter, double distance, double off = 0) {
     if (distance == 0) return MirrorBall(outline);
     Camera camera;
     camera.principal = V2d(r - off, r);
-    camera.focal = focal_from_distance(outline, camera.principal, distance);
+    camera.focal = r * std::sqrt(distance * distance - 1);
     return {camera, cone_of(outline, camera)};
 }
 
@@ -33,6 +35,7 @@ void draw(benchmark::State& state, const Source& source, const Layout& layout, F
     ResampleOptions options;
     options.filter = filter;
     Image map(layout.picture(size), 4);
+    resample(source, layout, map.view(), options);  // its pages are the system's until then
     std::int64_t pixels = 0;
     for (auto _ : state) {
         resample(source, layout, map.view(), options);
