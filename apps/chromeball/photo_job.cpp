@@ -101,6 +101,22 @@ void adopt_camera_of_crop(PhotoJob& job, const PhotoOptions& options) {
     }
 }
 
+/// Where nobody tells the lens, an outline that is clearly longer than wide does.
+void adopt_camera_of_outline(PhotoJob& job) {
+    const bool cropped = !job.camera.note.empty();  // the optical axis may be anywhere
+    if (job.camera.told || cropped || !job.ball.found || !job.ball.candidate->focal) return;
+    const FocalEstimate& estimate = *job.ball.candidate->focal;
+    job.camera.camera.focal = estimate.focal;
+    job.camera.deviation = estimate.deviation;
+    job.camera.source = "estimated from the outline";
+    job.camera.told = true;
+    job.warnings.push_back(fmt::format(
+        "{}: the focal length is not known; the outline's shape says {:.0f} pixels, give or take "
+        "{:.0f}, if the picture is not cropped: give --focal-mm and --sensor-mm, --hfov, "
+        "--focal-px or --distance-radii if you know better, or --orthographic",
+        job.photo.name, estimate.focal, estimate.deviation));
+}
+
 FoundBall told_ball(const Photo& photo, const PhotoOptions& options) {
     FoundBall ball;
     ball.found = true;
@@ -117,8 +133,7 @@ FoundBall searched_ball(const Photo& photo, const CameraChoice& camera, const Ph
     DetectOptions search;
     search.threshold = options.threshold;
     // Seen through a lens that distorts, the rim is no cone's ellipse: it is fitted freely then.
-    if (!camera.camera.orthographic() && camera.camera.distortion.none())
-        search.camera = camera.camera;
+    if (camera.camera.distortion.none()) search.camera = camera.camera;
     if (options.near) {
         const auto n = parse_numbers("--near", *options.near, {2}, "X,Y");
         search.near = V2d(n[0], n[1]);
@@ -166,6 +181,7 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
         adopt_camera_of_crop(job, options);
     } else {
         job.ball = searched_ball(job.photo, job.camera, options, watch);
+        adopt_camera_of_outline(job);
     }
     if (job.ball.found && !options.cropped) {
         const V2d beyond = beyond_edges(job.ball.outline, job.photo.display);

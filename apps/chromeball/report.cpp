@@ -63,6 +63,7 @@ Json json_of(const DetectReport& r) {
     j["camera"] = {{"focal_px", or_null(camera.focal)},
                    {"principal", {pixels(camera.principal.x), pixels(camera.principal.y)}},
                    {"source", r.camera.source}};
+    if (r.camera.deviation) j["camera"]["focal_px_deviation"] = pixels(*r.camera.deviation);
     const V3d& d = r.center_direction;
     j["ball"] = {{"distance_radii", or_null(r.distance)},
                  {"center_direction", {rounded(d.x, 1e8), rounded(d.y, 1e8), rounded(d.z, 1e8)}},

@@ -7,6 +7,7 @@
 
 #include "detect/candidates.h"
 #include "detect/edge.h"
+#include "detect/focal.h"
 #include "detect/grey.h"
 #include "detect/rim.h"
 #include "detect/score.h"
@@ -33,6 +34,7 @@ struct Draft {
     Evidence evidence;
     double score = 0;
     std::optional<ShapeCovariance> covariance;  ///< of the outline as a Shape
+    std::optional<FocalEstimate> focal;
 };
 
 Outline scaled(const Outline& o, double sx, double sy) {
@@ -186,6 +188,8 @@ void settle_edge(Draft& draft, const Picture& picture) {
         const bool done = rim_deviation(fit.outline, draft.outline) < 0.05;
         draft.outline = fit.outline;
         draft.covariance = fit.covariance;
+        if (!picture.exact.known)
+            draft.focal = focal_of(fit.free, fit.free_covariance, picture.exact);
         if (done) return;
         blur = fit.blur;
         step = std::clamp(0.8 * fit.blur, std::max(kFinestStep, 0.7 * step), 1.6 * step);
@@ -217,10 +221,11 @@ Lens lens_of(const Photo& photo, const DetectOptions& options) {
     if (options.camera && options.camera->focal)
         return {*options.camera->focal, options.camera->principal.x - photo.window.x,
                 options.camera->principal.y - photo.window.y, true};
+    V2d principal(0.5 * photo.display.width, 0.5 * photo.display.height);
+    if (options.camera) principal = options.camera->principal;
     // 1.4 picture widths is 40 degrees across: a usual lens for a ball on a set.
-    return {1.4 * std::max(photo.display.width, photo.display.height),
-            0.5 * photo.display.width - photo.window.x, 0.5 * photo.display.height - photo.window.y,
-            false};
+    return {1.4 * std::max(photo.display.width, photo.display.height), principal.x - photo.window.x,
+            principal.y - photo.window.y, false};
 }
 
 void judge(Draft& draft, const Picture& picture) {
@@ -364,6 +369,7 @@ std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& optio
         ball.confidence = confidence_of(draft.score, draft.evidence);
         ball.visible_rim = draft.rim.visible;
         ball.rim_blur = draft.rim.blur;
+        ball.focal = draft.focal;
         balls.push_back(ball);
     }
     std::stable_sort(balls.begin(), balls.end(), [](const Candidate& a, const Candidate& b) {

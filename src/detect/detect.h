@@ -28,6 +28,12 @@ struct OutlineDeviation {
     double angle = 0;  ///< degrees; a near circle's angle is as good as unknown: 52 at most
 };
 
+/// A focal length with its standard deviation, pixels.
+struct FocalEstimate {
+    double focal = 0;
+    double deviation = 0;
+};
+
 /// One ball that may be there.
 struct Candidate {
     Outline outline;  ///< upright display-window pixels
@@ -35,6 +41,11 @@ struct Candidate {
     double confidence = 0;   ///< 0 to 1: probability that it is a mirror ball, outline within 2 %
     double visible_rim = 0;  ///< part of the rim on which an edge was found, 0 to 1
     double rim_blur = 0;     ///< standard deviation of the edge's blur across the rim, pixels
+    /// What the outline's shape says of a focal length that options do not tell: off the optical
+    /// axis a ball looks the longer, the wider the lens. Takes the principal point as that of
+    /// options.camera, else the middle of the display window. Nothing where it is too round to
+    /// tell, or longer in a direction that no lens makes it.
+    std::optional<FocalEstimate> focal = std::nullopt;
 };
 
 /// The mirror balls of a photo, best first, at most eight; empty where nothing round was found at

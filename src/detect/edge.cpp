@@ -391,6 +391,18 @@ Settled settled(const std::vector<Arc>& arcs, const Shape& base, double step, co
     return now;
 }
 
+Shape moved(const Shape& base, const Vector5& c) {
+    return {base.x + c(0), base.y + c(1), base.radius + c(2), base.e1 + c(3), base.e2 + c(4)};
+}
+
+ShapeCovariance array_of(const Matrix5& covariance) {
+    ShapeCovariance array{};
+    for (std::size_t i = 0; i < 5; ++i)
+        for (std::size_t j = 0; j < 5; ++j)
+            array[i][j] = covariance(static_cast<int>(i), static_cast<int>(j));
+    return array;
+}
+
 /// The blur that is known, or that a part of the rays finds most likely.
 std::size_t likely_blur(const Profiles& profiles, const EdgeSearch& search) {
     std::size_t likely = 0;
@@ -421,15 +433,15 @@ EdgeFit fitted(const Raster<T>& picture, const Outline& start, const EdgeSearch&
     const std::size_t blur = likely_blur(profiles, search);
     fit.blur = kBlurs[blur] * search.step;
     const auto voices = voices_of(profiles, blur, 1);
-    const Settled at =
-        settled(arcs_of(voices, base.radius, search.step, static_cast<std::size_t>(search.rays)),
-                base, search.step, lens);
+    const auto arcs =
+        arcs_of(voices, base.radius, search.step, static_cast<std::size_t>(search.rays));
+    const Settled at = settled(arcs, base, search.step, lens);
+    const Settled free = settled(arcs, base, search.step, lens.forgotten());
     const Vector5 c = at.change;
-    fit.outline = outline_of(
-        Shape{base.x + c(0), base.y + c(1), base.radius + c(2), base.e1 + c(3), base.e2 + c(4)});
-    for (std::size_t i = 0; i < 5; ++i)
-        for (std::size_t j = 0; j < 5; ++j)
-            fit.covariance[i][j] = at.covariance(static_cast<int>(i), static_cast<int>(j));
+    fit.outline = outline_of(moved(base, c));
+    fit.covariance = array_of(at.covariance);
+    fit.free = moved(base, free.change);
+    fit.free_covariance = array_of(free.covariance);
     double clear = 0, evidence = 0;
     for (const Voice& voice : voices) {
         const Vector5 row = row_of(voice.ray, base.radius) * (1 / search.step);

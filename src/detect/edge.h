@@ -22,6 +22,9 @@ struct EdgeSearch {
 struct EdgeFit {
     Outline outline;
     ShapeCovariance covariance{};
+    /// The same found without any hint of the lens: what the rim alone says of its shape.
+    Shape free{};
+    ShapeCovariance free_covariance{};
     double blur = 0;      ///< sigma across the rim, pixels
     double clear = 0;     ///< part of the rays that show a mirror's rim right there, 0 to 1
     double evidence = 0;  ///< log-likelihood of the rim over none, mean over the rays

@@ -11,11 +11,14 @@ struct Lens {
     double focal = 0;
     double principal_x = 0;
     double principal_y = 0;
-    bool known = false;  ///< else focal is what is usual, and only a soft hint
+    bool known = false;    ///< else focal is what is usual, and only a soft hint
+    bool ignored = false;  ///< the shape is to be found without even that
 
     Lens scaled(double sx, double sy) const {
-        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known};
+        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known, ignored};
     }
+    /// The same with nothing known of it.
+    Lens forgotten() const { return {focal, principal_x, principal_y, false, true}; }
 };
 
 /// An outline in the form that a linear step can change: (e1, e2) is the ellipticity (a-b)/(a+b)

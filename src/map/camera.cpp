@@ -212,6 +212,14 @@ std::optional<double> focal_from_distance(const Outline& outline, V2d principal,
     return std::exp(0.5 * (low + high));
 }
 
+std::optional<double> focal_from_ellipse(double along, double across, double offset) {
+    const double excess = (along - across) * (along + across) / (across * across);
+    if (!(excess > 0)) return std::nullopt;
+    const double square = offset * offset / excess - across * across;
+    if (!(square > 0)) return std::nullopt;
+    return std::sqrt(square);
+}
+
 double rim_deviation(const Outline& one, const Outline& other) {
     const double turn = other.angle * pi / 180, c = std::cos(turn), s = std::sin(turn);
     double largest = 0;

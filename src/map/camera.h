@@ -59,6 +59,17 @@ Cone cone_of(const Outline& outline, const Camera& camera);
 /// distance > 1. Nothing where no focal length gives it.
 std::optional<double> focal_from_distance(const Outline& outline, V2d principal, double distance);
 
+/// The focal length in pixels that makes a ball's outline as long as it is, seen that far off the
+/// optical axis: (along / across)^2 = 1 + offset^2 / (f^2 + across^2), from the semi-axes and the
+/// middle that outline_of gives, both angles eliminated.
+///
+/// along    the semi-axis towards the principal point, pixels
+/// across   the other one, pixels
+/// offset   from the principal point to the outline's middle, pixels
+///
+/// Nothing where no focal length gives it: along <= across, or longer than any lens makes it.
+std::optional<double> focal_from_ellipse(double along, double across, double offset);
+
 /// The largest distance, in pixels, between the rims of two outlines that lie close together.
 double rim_deviation(const Outline& one, const Outline& other);
 

@@ -1,12 +1,15 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "cli/program.h"
 #include "cli/refusal.h"
 #include "cli/world.h"
+#include "detect/painted.h"
 
 // What detect prints, draws and cuts out.
 
@@ -74,6 +77,29 @@ TEST_F(Detect, WithoutAFocalLengthTheCameraIsOrthographicAndOneWarningSaysSo) {
     EXPECT_TRUE(found.at("ball").at("distance_radii").is_null());
     EXPECT_EQ(found.at("warnings").size(), 1U);
     EXPECT_EQ(outcome.lines_with("warning: ball.png: the focal length is not known"), 1U);
+}
+
+TEST_F(Detect, AnEllipseOffTheAxisTellsTheFocalLengthAndHowSure) {
+    painted::Scene scene;
+    scene.camera.focal = 600;
+    scene.centre = {2, -1, -6};
+    const Photo photo = painted::camera_photo(scene);
+    Image image(scene.size, 3);
+    std::transform(photo.pixels.begin(), photo.pixels.end(), image.row(0), [](std::byte value) {
+        return static_cast<float>(std::to_integer<int>(value)) / 255;
+    });
+    write_encoded(folder / "aside.png", image);
+    const Outcome outcome = run(folder, {"detect", "aside.png"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json told = json::parse(outcome.out).at("camera");
+    EXPECT_EQ(told.at("source"), "estimated from the outline");
+    const double deviation = told.at("focal_px_deviation");
+    EXPECT_LT(deviation, 60);
+    EXPECT_NEAR(told.at("focal_px"), 600, 3 * deviation);
+    EXPECT_EQ(outcome.lines_with("warning: aside.png: the focal length is not known; the outline"),
+              1U);
+    const Outcome far = run(folder, {"detect", "aside.png", "--orthographic"});
+    EXPECT_TRUE(json::parse(far.out).at("camera").at("focal_px").is_null());
 }
 
 TEST_F(Detect, TheStatusTellsWhatBecameOfManyPhotos) {

@@ -180,6 +180,28 @@ TEST(FocalFromDistance, IsNothingWhereNoFocalLengthGivesIt) {
     EXPECT_EQ(focal_from_distance({50000, 500, 100, 100, 0}, {500, 500}, 1.0001), std::nullopt);
 }
 
+TEST(Camera, AnEllipseOffTheAxisTellsTheFocalLength) {
+    for (const double focal : {400.0, 1500.0, 9000.0})
+        for (const double distance : {1.6, 4.0, 40.0})
+            for (const double angle : {0.05, 0.3, 0.5}) {
+                const Cone cone{V3d(std::sin(angle), 0, -std::cos(angle)), std::asin(1 / distance)};
+                const auto outline = outline_of(cone, Camera{focal, kPrincipal, {}});
+                if (!outline) continue;
+                const auto found = focal_from_ellipse(outline->a, outline->b,
+                                                      std::abs(outline->cx - kPrincipal.x));
+                ASSERT_TRUE(found);
+                EXPECT_NEAR(*found / focal, 1, 1e-9);
+            }
+}
+
+TEST(Camera, NoFocalLengthMakesACircleOrTheWrongAxisLong) {
+    EXPECT_EQ(focal_from_ellipse(100, 100, 300), std::nullopt);
+    EXPECT_EQ(focal_from_ellipse(99, 100, 300), std::nullopt);
+    EXPECT_EQ(focal_from_ellipse(101, 100, 0), std::nullopt);
+    EXPECT_EQ(focal_from_ellipse(200, 100, 50), std::nullopt);
+    EXPECT_EQ(focal_from_ellipse(std::nan(""), 100, 50), std::nullopt);
+}
+
 TEST(RimDeviation, IsHowFarRimsLieApart) {
     const Outline one{100, 100, 50, 50, 0};
     EXPECT_NEAR(rim_deviation(one, one), 0, 1e-12);
