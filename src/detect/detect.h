@@ -46,6 +46,10 @@ struct Candidate {
     /// options.camera, else the middle of the display window. Nothing where it is too round to
     /// tell, or longer in a direction that no lens makes it.
     std::optional<FocalEstimate> focal = std::nullopt;
+    /// How far the ball moved while the shutter was open, pixels; which way round cannot be told.
+    /// Zero where it stood still as far as the rim shows. The outline is that of the middle of the
+    /// exposure; blur along the motion comes on top of rim_blur.
+    V2d motion = V2d(0);
 };
 
 /// The mirror balls of a photo, best first, at most eight; empty where nothing round was found at

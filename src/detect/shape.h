@@ -12,13 +12,14 @@ struct Lens {
     double principal_x = 0;
     double principal_y = 0;
     bool known = false;    ///< else focal is what is usual, and only a soft hint
-    bool ignored = false;  ///< the shape is to be found without even that
+    double slack = 0;      ///< ellipticity that may come on top: traces of moving balls are longer
+    bool ignored = false;  ///< the shape is to be found without even that hint
 
     Lens scaled(double sx, double sy) const {
-        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known, ignored};
+        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known, slack, ignored};
     }
     /// The same with nothing known of it.
-    Lens forgotten() const { return {focal, principal_x, principal_y, false, true}; }
+    Lens forgotten() const { return {focal, principal_x, principal_y, false, 0, true}; }
 };
 
 /// An outline in the form that a linear step can change: (e1, e2) is the ellipticity (a-b)/(a+b)
@@ -44,5 +45,15 @@ struct ShapePrior {
 };
 
 ShapePrior prior_at(const Shape& shape, const Lens& lens);
+
+/// A ball that moved during the exposure.
+struct Moved {
+    Outline outline;      ///< in the middle of the exposure
+    double x = 0, y = 0;  ///< how far it moved, pixels
+    double surprise = 0;  ///< how many deviations its trace is from what the lens allows
+};
+
+/// What left this trace if the lens is `lens` and nothing but motion made it longer.
+Moved moved_from(const Outline& trace, const Lens& lens);
 
 }  // namespace chromeball::detecting

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+
+#include "detect/detect.h"
+#include "detect/random_picture.h"
+#include "detect/shape.h"
+
+namespace chromeball {
+namespace {
+
+using painted::Dice;
+using painted::World;
+
+int number_from(const char* variable, int usual) {
+    const char* text = std::getenv(variable);
+    return text ? std::atoi(text) : usual;
+}
+
+/// A ball that moved while the shutter was open.
+struct Moving {
+    Photo photo;
+    Outline outline;  ///< in the middle of the exposure
+    V2d motion;       ///< pixels, from shutter open to close
+    double noise;     ///< codes
+};
+
+constexpr int kTimes = 40;  // shutter positions; spread over the pixel too
+
+/// Mirror ball in a random world, moved by `part` of its radius. The exposure is the mean of many
+/// instants in linear light; the background stands still.
+Moving moving_picture(unsigned seed, double part) {
+    Dice dice(seed);
+    const World world(dice);
+    Moving made{};
+    painted::Scene scene;
+    const int w = dice.whole(360, 640), h = w * dice.whole(60, 80) / 100;
+    scene.size = {w, h};
+    scene.camera = {dice.log_uniform(0.9, 2.5) * w, {0.5 * w, 0.5 * h}};
+    const double f = *scene.camera.focal, radius = dice.log_uniform(36, 0.36 * h);
+    const double reach = 1.1 * radius;
+    const double x = dice.uniform(reach, w - reach), y = dice.uniform(reach, h - reach);
+    scene.centre = V3d((x - 0.5 * w) / f, (0.5 * h - y) / f, -1) * (f / radius);
+    made.outline = scene.outline();
+    const Outline rim = made.outline;
+    const double heading = dice.uniform(0, 2 * std::numbers::pi);
+    made.motion = V2d(std::cos(heading), std::sin(heading)) * (part * radius);
+    const double reflects = dice.uniform(0.55, 0.95);
+    made.noise = dice.log_uniform(0.5, 4);
+
+    const auto seen = [&](double px, double py, double time) {
+        const auto ray = [&](double qx, double qy) {
+            return V3d((qx - 0.5 * w) / f, (0.5 * h - qy) / f, -1).normalized();
+        };
+        const V3d p = ray(px - time * made.motion.x, py - time * made.motion.y);
+        const double along = p.dot(scene.centre);
+        const double inside = along * along - scene.centre.length2() + 1;
+        if (inside <= 0) return world.seen(ray(px, py));
+        const V3d n = p * (along - std::sqrt(inside)) - scene.centre;
+        return world.seen(p - n * (2 * p.dot(n))) * reflects;
+    };
+    std::vector<float> light;
+    double mean = 0;
+    const double far = rim.a + 0.5 * made.motion.length() + 2;
+    for (int j = 0; j < h; ++j)
+        for (int i = 0; i < w; ++i) {
+            const bool near = std::hypot(i + 0.5 - rim.cx, j + 0.5 - rim.cy) < far;
+            const int times = near ? kTimes : 4;
+            V3d sum(0);
+            for (int k = 0; k < times; ++k)  // a lattice of pixel and time
+                sum += seen(i + std::fmod((k + 0.5) * 0.618034, 1.0),
+                            j + std::fmod((k + 0.5) * 0.754878, 1.0), (k + 0.5) / times - 0.5);
+            for (int c = 0; c < 3; ++c) light.push_back(static_cast<float>(sum[c] / times));
+            mean += std::min(sum.y / times, 2.0) / (double(w) * h);
+        }
+    const auto exposure = static_cast<float>(dice.log_uniform(0.12, 0.4) / std::max(mean, 1e-3));
+    for (float& v : light) v *= exposure;
+    made.photo = painted::camera_photo(light, scene.size, made.noise);
+    return made;
+}
+
+bool right(const Outline& found, const Outline& truth) {
+    const double part = 0.02 * std::sqrt(truth.a * truth.b);
+    return std::hypot(found.cx - truth.cx, found.cy - truth.cy) <= part &&
+           std::abs(found.a - truth.a) <= 0.02 * truth.a &&
+           std::abs(found.b - truth.b) <= 0.02 * truth.b;
+}
+
+double median(std::vector<double> values) {
+    if (values.empty()) return 1e9;
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+struct Tally {
+    int pictures = 0, found = 0, right = 0;
+    std::vector<double> errors;   ///< greatest distance of the outlines, percent of the radius
+    std::vector<double> motions;  ///< error of the motion, parts of it
+};
+
+void look_at(const Moving& made, bool tell, Tally& tally) {
+    const auto balls = find_balls(made.photo);
+    const Candidate best = balls.empty() ? Candidate{} : balls.front();
+    const Outline& truth = made.outline;
+    const double error = 100 * rim_deviation(best.outline, truth) / truth.b;
+    const bool hit = right(best.outline, truth), taken = best.confidence >= 0.5;
+    const V2d m = best.motion, t = made.motion;
+    ++tally.pictures;
+    tally.found += taken, tally.right += hit && taken;
+    if (taken) tally.errors.push_back(error);
+    if (taken && m.length2() > 0)
+        tally.motions.push_back(std::min((m - t).length(), (m + t).length()) / t.length());
+    if (tell)
+        std::printf(
+            "noise %.1f radius %.0f moved %.1f %.1f: confidence %.3f %s error %.2f %% motion "
+            "%.1f %.1f off %.2f %.2f %.2f %.2f\n",
+            made.noise, truth.b, t.x, t.y, best.confidence, hit ? "right" : "wrong", error, m.x,
+            m.y, best.outline.cx - truth.cx, best.outline.cy - truth.cy, best.outline.a - truth.a,
+            best.outline.b - truth.b);
+}
+
+// CHROMEBALL_DETECT_MOVING=200 looks at so many pictures instead of a few, and prints a row each.
+TEST(MovingBall, TheOutlineIsThatOfTheMiddleOfTheExposure) {
+    const int count = number_from("CHROMEBALL_DETECT_MOVING", 0);
+    const int pictures = count > 0 ? count : 24;
+    Tally tally;
+    for (int i = 0; i < pictures; ++i)
+        look_at(moving_picture(static_cast<unsigned>(5000 + i), 0.05 + 0.35 * i / pictures),
+                count > 0, tally);
+    std::printf(
+        "%d pictures: %d found, %d of them right; greatest rim error %.2f %%, motion off by "
+        "%.0f %% (medians)\n",
+        pictures, tally.found, tally.right, median(tally.errors), 100 * median(tally.motions));
+    // Without a model of motion one in five was found, and one in nine of those right.
+    EXPECT_GE(tally.found, 0.25 * pictures);
+    EXPECT_GE(tally.right, 0.33 * tally.found);
+    EXPECT_LT(median(tally.errors), 4);
+    EXPECT_LT(median(tally.motions), 0.3);
+}
+
+TEST(MovingBall, TheTraceTellsWhereItWasAndHowFarItWent) {
+    // Points of the outermost trace of a circle of radius 100 that moves by 40 at 30 degrees, and
+    // the ellipse that fits them best in the sense of Fourier.
+    const double q = 20, heading = std::numbers::pi / 6;
+    double mean = 0, cos2 = 0, sin2 = 0;
+    constexpr int kPoints = 720;
+    for (int i = 0; i < kPoints; ++i) {
+        const double turn = 2 * std::numbers::pi * i / kPoints;
+        const double reach = 100 + q * std::abs(std::cos(turn - heading));
+        mean += reach / kPoints;
+        cos2 += 2 * reach * std::cos(2 * turn) / kPoints;
+        sin2 += 2 * reach * std::sin(2 * turn) / kPoints;
+    }
+    const Outline trace = detecting::outline_of({500, 400, mean, cos2 / mean, sin2 / mean});
+    const detecting::Lens lens{1000, 500, 400, true, 0};
+    const auto moved = detecting::moved_from(trace, lens);
+    EXPECT_NEAR(moved.outline.a, 100, 0.1);
+    EXPECT_NEAR(moved.outline.b, 100, 0.1);
+    EXPECT_NEAR(moved.x, 40 * std::cos(heading), 0.2);
+    EXPECT_NEAR(moved.y, 40 * std::sin(heading), 0.2);
+    EXPECT_GT(moved.surprise, 100);
+}
+
+}  // namespace
+}  // namespace chromeball
