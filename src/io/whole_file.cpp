@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -62,18 +63,53 @@ Error write_failure(const std::string& path, int error_number) {
                                      way_out(error_number)));
 }
 
+/// Opens a part file for one writer alone, empty; below 0 and errno where that cannot be.
+///
+/// A lock on it tells a live writer from what a killed run left behind: that is used again. Where
+/// the file system knows no locks, what is there is taken for a leftover.
+int open_alone(const std::string& name) {
+    constexpr int kWaits = 600;  // of 0.1 s, for a writer of the same file to finish
+    for (int waited = 0; waited < kWaits;) {
+        // A leftover may also be a link, or of another owner.
+        int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+        if (file < 0 && (errno == ELOOP || errno == EACCES || errno == EISDIR)) {
+            if (::unlink(name.c_str()) != 0) return -1;
+            continue;
+        }
+        if (file < 0) return -1;
+        if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            ::close(file);
+            ::usleep(100'000);
+            ++waited;
+            continue;
+        }
+        // Its writer may have renamed it, between the opening and the lock.
+        struct stat mine {
+        }, there{};
+        if (::fstat(file, &mine) == 0 && ::stat(name.c_str(), &there) == 0 &&
+            mine.st_ino == there.st_ino && mine.st_dev == there.st_dev) {
+            if (::ftruncate(file, 0) == 0) return file;
+            const int reason = errno;
+            ::close(file);
+            errno = reason;
+            return -1;
+        }
+        ::close(file);
+    }
+    errno = EBUSY;
+    return -1;
+}
+
 /// A file beside the target that vanishes unless it is kept.
 class PartFile {
 public:
     explicit PartFile(const std::string& target) : target_(target), name_(part_name(target)) {
-        // A leftover of an interrupted run may be a link or of another owner.
-        ::unlink(name_.c_str());
-        descriptor_ = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        descriptor_ = open_alone(name_);
         if (descriptor_ < 0) throw write_failure(target_, errno);
     }
     ~PartFile() {
-        if (descriptor_ >= 0) ::close(descriptor_);
         if (!kept_) ::unlink(name_.c_str());
+        if (descriptor_ >= 0) ::close(descriptor_);
     }
     PartFile(const PartFile&) = delete;
     PartFile& operator=(const PartFile&) = delete;
@@ -89,13 +125,12 @@ public:
         }
     }
 
-    /// Some file systems report a full disk only here.
-    void close() {
-        const int result = ::close(std::exchange(descriptor_, -1));
-        if (result != 0) throw write_failure(target_, errno);
-    }
-
+    /// Renames it while it is still locked, so that no other writer takes it for its own.
     void keep() {
+        // Some file systems report a full disk only when a file is closed; the lock stays with the
+        // first descriptor.
+        const int second = ::dup(descriptor_);
+        if (second < 0 || ::close(second) != 0) throw write_failure(target_, errno);
         if (::rename(name_.c_str(), target_.c_str()) != 0) throw write_failure(target_, errno);
         kept_ = true;
     }
@@ -133,11 +168,18 @@ void write_whole_file(const std::string& path, std::span<const std::byte> bytes)
     check_target(path);
     PartFile part(resolved(path));
     part.write(bytes);
-    part.close();
     part.keep();
 }
 
 }  // namespace io
+
+void remove_leftover(const std::string& path) {
+    const std::string name = io::part_name(io::resolved(path));
+    const int file = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) return;
+    if (::flock(file, LOCK_EX | LOCK_NB) == 0) ::unlink(name.c_str());
+    ::close(file);
+}
 
 void make_folder(const std::string& path) {
     if (::mkdir(path.c_str(), 0777) == 0) return;

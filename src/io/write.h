@@ -63,6 +63,10 @@ void write_file(const std::string& path, std::string_view content);
 /// asked before hours of work.
 void check_target(const std::string& path);
 
+/// Removes the half-written file that a killed run left beside a target, if there is one and no
+/// one is writing it.
+void remove_leftover(const std::string& path);
+
 /// Makes a folder unless there is one; its parent must exist. Throws Error naming it.
 void make_folder(const std::string& path);
 
