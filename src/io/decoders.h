@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -27,6 +28,15 @@ Photo decode_exr(const std::string& path, const FileProbe& probe, const DecodeRe
 /// Decodes a PNG with libpng alone; nothing where it holds EXIF or XMP, which OpenImageIO knows.
 std::optional<Photo> decode_png(const std::string& path, const FileProbe& probe,
                                 const DecodeRequest& request);
+
+/// A film clip as OpenImageIO's ffmpeg reader has it: see Clip.
+class ClipReader {
+public:
+    virtual ~ClipReader() = default;
+    virtual int frames() const = 0;
+    virtual Photo read(int index, bool header_only) = 0;
+};
+std::unique_ptr<ClipReader> open_clip_with_oiio(const std::string& path);
 
 /// Decodes anything else with OpenImageIO.
 Photo decode_with_oiio(const std::string& path, const FileProbe& probe,

@@ -9,5 +9,7 @@ namespace chromeball::io::oiio {
 Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request);
 Bytes encode(const std::string& path, const Values& values, const WriteOptions& options,
              WriteReport& report);
+/// What the module does for open_clip_with_oiio.
+std::unique_ptr<ClipReader> open_clip(const std::string& path);
 
 }  // namespace chromeball::io::oiio

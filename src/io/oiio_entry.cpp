@@ -6,6 +6,7 @@
 extern "C" __attribute__((visibility("default"))) const chromeball::io::OiioModule*
 chromeball_oiio_module() {
     using namespace chromeball::io;
-    static constexpr OiioModule kModule = {CHROMEBALL_VERSION, &oiio::decode, &oiio::encode};
+    static constexpr OiioModule kModule = {CHROMEBALL_VERSION, &oiio::decode, &oiio::encode,
+                                           &oiio::open_clip};
     return &kModule;
 }

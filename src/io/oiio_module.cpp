@@ -81,4 +81,8 @@ Bytes encode_with_oiio(const std::string& path, const Values& values, const Writ
     return module_for(path).encode(path, values, options, report);
 }
 
+std::unique_ptr<ClipReader> open_clip_with_oiio(const std::string& path) {
+    return module_for(path).open_clip(path);
+}
+
 }  // namespace chromeball::io

@@ -8,11 +8,12 @@
 
 namespace chromeball::io {
 
-/// What the module offers: decode_with_oiio and encode_with_oiio.
+/// What the module offers: decode_with_oiio, encode_with_oiio and open_clip_with_oiio.
 struct OiioModule {
     const char* version;  ///< of the chromeball that it was built with; another one's will not do
     Photo (*decode)(const std::string&, const FileProbe&, const DecodeRequest&);
     Bytes (*encode)(const std::string&, const Values&, const WriteOptions&, WriteReport&);
+    std::unique_ptr<ClipReader> (*open_clip)(const std::string&);
 };
 
 /// The one function that the module exports, under this name.

@@ -79,19 +79,6 @@ std::string extension_of_name(const std::string& path) {
     return extension;
 }
 
-/// Size of a regular file with something in it; anything else is an error.
-std::size_t checked_file_size(const std::string& path) {
-    struct stat status {};
-    if (::stat(path.c_str(), &status) != 0) {
-        if (errno == ENOENT) throw failure(path, "no such file; check the path");
-        throw failure(path, fmt::format("cannot be read: {}", system_reason(errno)));
-    }
-    if (S_ISDIR(status.st_mode)) throw failure(path, "is a folder; give a picture file");
-    if (!S_ISREG(status.st_mode)) throw failure(path, "is not a regular file; give a picture file");
-    if (status.st_size == 0) throw failure(path, "is empty (0 bytes); copy or export it again");
-    return static_cast<std::size_t>(status.st_size);
-}
-
 /// P1 to P6 and the float maps PF, Pf, followed by white space.
 bool is_portable_map(std::span<const std::byte> head) {
     if (head.size() < 3 || head[0] != std::byte{'P'}) return false;
@@ -133,9 +120,21 @@ std::string unknown_type(const std::string& extension, std::span<const std::byte
 
 }  // namespace
 
+std::size_t check_file(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) {
+        if (errno == ENOENT) throw failure(path, "no such file; check the path");
+        throw failure(path, fmt::format("cannot be read: {}", system_reason(errno)));
+    }
+    if (S_ISDIR(status.st_mode)) throw failure(path, "is a folder; give a picture file");
+    if (!S_ISREG(status.st_mode)) throw failure(path, "is not a regular file; give a picture file");
+    if (status.st_size == 0) throw failure(path, "is empty (0 bytes); copy or export it again");
+    return static_cast<std::size_t>(status.st_size);
+}
+
 FileProbe probe_file(const std::string& path) {
     FileProbe probe;
-    probe.size = checked_file_size(path);
+    probe.size = check_file(path);
     probe.head = first_bytes(path, std::min(probe.size, kHeadBytes));
     const std::string extension = extension_of_name(path);
     std::string_view plugin = plugin_of_content(probe.head);

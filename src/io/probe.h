@@ -20,6 +20,9 @@ struct FileProbe {
     std::size_t size = 0;         ///< of the file, bytes
 };
 
+/// Throws Error for a file that is missing, a folder, empty or no regular file; gives its size.
+std::size_t check_file(const std::string& path);
+
 /// Throws Error for a file that is missing, a folder, empty, unreadable or of an unknown type.
 FileProbe probe_file(const std::string& path);
 
