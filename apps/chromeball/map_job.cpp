@@ -1,0 +1,238 @@
+#include "map_job.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+
+#include "numbers.h"
+#include "version.h"
+
+namespace chromeball {
+namespace {
+
+void undo_reflectance(Image& pixels, const std::string& text) {
+    auto r = parse_numbers("--reflectance", text, {1, 3}, "R or R,G,B, each above 0 and at most 1");
+    if (r.size() == 1) r = {r[0], r[0], r[0]};
+    for (const double part : r)
+        if (!(part > 0 && part <= 1))
+            throw Error(
+                Error::Kind::usage,
+                fmt::format("--reflectance {}: a mirror gives back a part above 0 and at most 1",
+                            text));
+    for (int y = 0; y < pixels.height(); ++y)
+        for (int x = 0; x < pixels.width(); ++x)
+            for (std::size_t c = 0; c < 3; ++c) pixels.pixel(x, y)[c] /= static_cast<float>(r[c]);
+}
+
+/// From the working space into the file's, or onto a display.
+std::string encode(Image& map, const MapOptions& o, const OutputPlan& plan,
+                   const ColorConfig& colors) {
+    if (o.display || o.view) {
+        const std::string display = o.display.value_or(colors.displays().front());
+        const std::string view = o.view.value_or(colors.views(display).front());
+        colors.to_display(map, display, view);
+        return fmt::format("{}, {}", display, view);
+    }
+    const std::string space = colors.output_space(o.output_space, plan.scene_linear);
+    colors.from_working(map, space);
+    return space;
+}
+
+void check_display(const MapOptions& o, const OutputPlan& plan, const ColorConfig& colors) {
+    if (o.output_space) colors.space(*o.output_space);
+    if (!o.display && !o.view) return;
+    if (o.output_space)
+        throw Error(Error::Kind::usage,
+                    "--output-space and --display or --view contradict each other; give one");
+    if (plan.scene_linear)
+        throw Error(
+            Error::Kind::usage,
+            fmt::format(
+                "{}: --display and --view make pictures to look at; write a .png, .jpg or .tif",
+                plan.path));
+    Image probe({1, 1}, 3);
+    const std::string display = o.display.value_or(colors.displays().front());
+    const auto views = colors.views(display);
+    colors.to_display(probe, display, o.view.value_or(views.empty() ? "" : views.front()));
+}
+
+EnvmapKind envmap_kind(const Layout& layout, bool turned_away) {
+    // The attribute says that +Z is in the middle; a preset with other axes must not claim it.
+    if (turned_away) return EnvmapKind::none;
+    if (layout.name == "latlong") return EnvmapKind::latlong;
+    return layout.name == "openexr" ? EnvmapKind::cube : EnvmapKind::none;
+}
+
+}  // namespace
+
+void add_map_options(CLI::App& command, MapOptions& o) {
+    const std::string out = "Output";
+    command
+        .add_option("--layout", o.output.layout,
+                    "Shape: " + comma_list(layout_names()) + " (default: latlong)")
+        ->type_name("NAME")
+        ->group(out);
+    command
+        .add_option("--for", o.output.preset,
+                    "Program that reads it: " + comma_list(preset_names()) +
+                        "; sets layout, names, axes and file type")
+        ->type_name("PRESET")
+        ->group(out);
+    command
+        .add_option("--size", o.size,
+                    "Width of a face, height of a lat-long, side of a ball, pixels (default: the "
+                    "power of two from 64 to "
+                    "4096 nearest to the source's resolution)")
+        ->check(CLI::Range(1, 32768))
+        ->group(out);
+    command
+        .add_option("--format", o.output.format,
+                    "exr, hdr, tif, png or jpg, for folders (default: exr)")
+        ->type_name("FORMAT")
+        ->group(out);
+    command
+        .add_flag("--float", o.output.full_float,
+                  "32-bit EXR or TIFF, scene-linear (default: half EXR)")
+        ->group(out);
+    command.add_option("--bits", o.output.bits, "Of PNG and TIFF (default: 16)")
+        ->check(CLI::IsMember({8, 16}))
+        ->group(out);
+    command
+        .add_option("--filter", o.filter,
+                    "adaptive: as many taps as needed; fast: one bilinear tap")
+        ->check(CLI::IsMember({"adaptive", "fast"}))
+        ->capture_default_str()
+        ->group(out);
+    command
+        .add_option("--output-space", o.output_space,
+                    "Colour space (default: scene_linear for EXR, HDR and float TIFF; "
+                    "srgb_texture for pictures)")
+        ->type_name("SPACE")
+        ->group("Colour");
+    command.add_option("--display", o.display, "Write a picture for this display")
+        ->type_name("NAME")
+        ->group("Colour");
+    command.add_option("--view", o.view, "... through this view, such as \"ACES SDR\"")
+        ->type_name("NAME")
+        ->group("Colour");
+    command
+        .add_option("--reflectance", o.reflectance,
+                    "What the mirror gives back, 0 to 1; divided out")
+        ->type_name("R|R,G,B")
+        ->group("Colour");
+    const std::string axes =
+        "Orientation (default: the camera's frame, +Z towards the camera, +Y up)";
+    command
+        .add_option("--camera-to-world", o.camera_to_world,
+                    "Rotation, row by row: 9 or 16 numbers (default: the file's worldToCamera)")
+        ->type_name("M")
+        ->group(axes);
+    command
+        .add_option(
+            "--yaw", o.yaw,
+            "Then turned about +Y, degrees; 180 puts what the camera looks at into the middle")
+        ->check(finite())
+        ->capture_default_str()
+        ->group(axes);
+    command.add_option("--pitch", o.pitch, "... about +X, degrees")
+        ->check(finite())
+        ->capture_default_str()
+        ->group(axes);
+    command.add_option("--roll", o.roll, "... about +Z, degrees")
+        ->check(finite())
+        ->capture_default_str()
+        ->group(axes);
+}
+
+void check_map_options(const MapOptions& o, const OutputPlan& plan, const ColorConfig& colors) {
+    check_display(o, plan, colors);
+    told_rotation(o);
+    if (!o.reflectance) return;
+    Image nothing({1, 1}, 3);
+    undo_reflectance(nothing, *o.reflectance);
+}
+
+std::optional<Rotation> told_rotation(const MapOptions& o) {
+    if (!o.camera_to_world) return std::nullopt;
+    const auto numbers = parse_numbers("--camera-to-world", *o.camera_to_world, {9, 16},
+                                       "9 or 16 numbers, row by row");
+    const auto rotation = Rotation::nearest(numbers);
+    if (!rotation)
+        throw Error(Error::Kind::usage,
+                    fmt::format("--camera-to-world {}: this is no rotation (columns must be "
+                                "perpendicular, of length 1, right-handed, to 1e-3); a scale or a "
+                                "mirror must be taken out first",
+                                *o.camera_to_world));
+    return rotation;
+}
+
+BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
+                     const ColorOptions& color, const MapOptions& options,
+                     const ColorConfig& colors) {
+    BallLight light;
+    std::string tag_warning;
+    light.space = colors.input_space(job.photo, color.input_space, &tag_warning);
+    if (!tag_warning.empty()) light.warnings.push_back(tag_warning);
+    light.region = whole ? job.photo.window : needed_window(ball.outline(), job.photo.window);
+    std::size_t bad = 0;
+    light.pixels = colors.to_working(job.photo, light.space, light.region, &bad);
+    if (bad > 0) light.warnings.push_back(bad_pixel_warning(job.photo.name, bad));
+    if (options.reflectance) undo_reflectance(light.pixels, *options.reflectance);
+    Affine to_pixels = job.ball.to_pixels;
+    to_pixels.x0 -= light.region.x;
+    to_pixels.y0 -= light.region.y;
+    light.source = ball_source(light.pixels, ball, to_pixels, lens_blur);
+    return light;
+}
+
+ResampleOptions resampling(const MapOptions& o, const OutputPlan& plan, const Rotation& to_world) {
+    ResampleOptions how;
+    how.filter = o.filter == "fast" ? Filter::fast : Filter::adaptive;
+    const Rotation axes = plan.preset ? plan.preset->axes : Rotation();
+    how.rotation = axes * (Rotation::yaw_pitch_roll(o.yaw, o.pitch, o.roll) * to_world);
+    return how;
+}
+
+WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o,
+                          const Rotation& rotation, Provenance origin, Metadata metadata,
+                          const ColorConfig& colors) {
+    WrittenMap written;
+    written.space = encode(map, o, plan, colors);
+    const bool turned_away = plan.preset && !plan.preset->axes.is_identity();
+    WriteOptions write;
+    write.format = plan.format;
+    write.full_float = o.output.full_float;
+    write.bits = o.output.bits.value_or(16);
+    write.envmap = envmap_kind(*plan.layout, turned_away);
+    if (!o.display && !o.view) write.color = colors.tag(written.space);
+    origin.version = kVersion;
+    origin.layout = turned_away ? fmt::format("{} for {}", plan.layout->name, plan.preset->name)
+                                : std::string(plan.layout->name);
+    origin.rotation = rotation.rows();
+    write.metadata = std::move(metadata);
+    write.metadata.set(to_attribute(origin));
+    write_map(plan, map, write, written.report);
+    return written;
+}
+
+std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan& plan,
+                                     const MapOptions& o) {
+    std::vector<std::string> warnings;
+    const WriteReport& report = written.report;
+    // A display ends at white; that a picture for it does too is no news.
+    if (report.clamped > 0 && !o.display && !o.view)
+        warnings.push_back(fmt::format(
+            "{}: {} values above what the format holds were clamped{}", plan.path, report.clamped,
+            plan.format == FileFormat::exr ? " to 65504; --float keeps them" : ""));
+    if (report.repaired > 0)
+        warnings.push_back(fmt::format("{}: {} values were NaN or infinite and were replaced",
+                                       plan.path, report.repaired));
+    return warnings;
+}
+
+std::string bad_pixel_warning(const std::string& name, std::size_t count) {
+    return fmt::format("{}: {} pixels are NaN or infinite; they are left out", name, count);
+}
+
+}  // namespace chromeball

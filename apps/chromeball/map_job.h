@@ -1,0 +1,76 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "color/color.h"
+#include "console.h"
+#include "io/facts.h"
+#include "map/orientation.h"
+#include "map_files.h"
+#include "options.h"
+#include "photo_job.h"
+#include "resample/resample.h"
+
+namespace chromeball {
+
+/// Which map is made and how it is written; texts as typed.
+struct MapOptions {
+    OutputOptions output;
+    std::optional<std::string> output_space;
+    std::optional<std::string> display;
+    std::optional<std::string> view;
+    std::optional<int> size;
+    std::string filter = "adaptive";
+    std::optional<std::string> camera_to_world;
+    double yaw = 0, pitch = 0, roll = 0;
+    std::optional<std::string> reflectance;
+};
+
+void add_map_options(CLI::App& command, MapOptions& options);
+
+/// What was typed wrong, before anything is read. Throws Error (usage).
+void check_map_options(const MapOptions& options, const OutputPlan& plan,
+                       const ColorConfig& colors);
+
+/// --camera-to-world; nothing where it is not given. Throws Error (usage) where it is no rotation.
+std::optional<Rotation> told_rotation(const MapOptions& options);
+
+/// The ball of a photo as light in the working space.
+struct BallLight {
+    Source source;
+    Image pixels;   ///< the part of the photo that was taken
+    Window region;  ///< where that lies
+    std::string space;
+    std::vector<std::string> warnings;
+};
+/// lens_blur: standard deviation, pixels. Of a crop (`whole`) all is taken.
+BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
+                     const ColorOptions& color, const MapOptions& options,
+                     const ColorConfig& colors);
+
+/// How the map is resampled: rotation into the output's frame, filter.
+ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,
+                           const Rotation& to_world);
+
+/// A map that was written.
+struct WrittenMap {
+    std::string space;  ///< or display and view
+    WriteReport report;
+};
+/// Encodes a map of the working space as planned and writes it. The origin's version, layout and
+/// rotation are filled in here.
+WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& options,
+                          const Rotation& rotation, Provenance origin, Metadata metadata,
+                          const ColorConfig& colors);
+
+/// What writing changed, as warnings.
+std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan& plan,
+                                     const MapOptions& options);
+/// Of pixels that hold no number; empty where there are none.
+std::string bad_pixel_warning(const std::string& name, std::size_t count);
+
+}  // namespace chromeball
