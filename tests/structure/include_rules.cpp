@@ -48,18 +48,18 @@ const Door kDoors[] = {
     {"zlib.h", {"io"}},
     {"isa-l/", {"io"}},
     {"immintrin.h", {"io"}},  // half floats
-    {"nlohmann/", {"io", "apps"}},
+    {"nlohmann/", {"io", "shot", "apps"}},
     {"OpenColorIO/", {"color"}},
     {"opencv2/", {"detect"}},
     {"ceres/", {"detect"}},
-    {"Eigen/", {"detect"}},
+    {"Eigen/", {"detect", "shot"}},
     {"embree3/", {"render"}},
     {"assimp/", {"render"}},
     {"CLI/", {"apps"}},
     {"tbb/", {"core", "resample"}},
     {"oneapi/", {"core", "resample"}},
     {"hwy/", {"resample"}},
-    {"fmt/", {"io", "color", "detect", "apps"}},
+    {"fmt/", {"io", "color", "detect", "shot", "apps"}},
 };
 
 /// The system's own headers have ".h" names; the standard library's have none.

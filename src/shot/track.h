@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/image.h"
+#include "core/outline.h"
+#include "map/camera.h"
+
+namespace chromeball {
+
+/// A ball as seen in one frame.
+struct Sighting {
+    Outline outline;             ///< upright display-window pixels
+    V2d centre_deviation{0, 0};  ///< standard deviations, pixels
+    double radius_deviation = 0;
+    double confidence = 0;   ///< 0 to 1
+    double visible_rim = 0;  ///< 0 to 1
+    double lens_blur = 0;    ///< standard deviation, pixels
+    /// Whether it counts as found; a weaker one is only held against what the others tell.
+    bool sure = false;
+
+    bool operator==(const Sighting&) const = default;
+};
+
+/// The stage `track`, one frame: what its plate shows.
+struct TrackRecord {
+    int frame = 0;
+    std::string settings;  ///< hash of what the search depends on
+    std::string plate;     ///< size and date of the file, so that a new one is searched again
+    bool there = true;     ///< false: there is no such file
+    bool readable = true;
+    std::optional<Sighting> ball;
+    Size display;  ///< of the plate
+    Camera camera;
+    std::optional<double> distance;  ///< --distance-radii: the focal length follows
+    double seconds = 0;
+    std::string message;  ///< why it could not be read, or what the user should know
+};
+
+/// The part of a picture to look at for a ball that was at an outline some frames ago: `margin`
+/// radii further than the rim on all sides, cut to the picture.
+Window search_window(const Outline& last, double margin, const Window& picture);
+
+/// Whether an outline lies inside of a window so well that its rim was seen whole; where the
+/// window ends with the picture itself the ball may reach beyond.
+bool well_inside(const Outline& outline, const Window& window, const Window& picture);
+
+}  // namespace chromeball
