@@ -9,5 +9,6 @@ namespace chromeball {
 void add_detect(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
+void add_shot(CLI::App& app);
 
 }  // namespace chromeball

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -20,6 +23,15 @@ void draw_bar(const std::string& what, double done) {
     else
         print_message(fmt::format("\r\033[K{} [{:=<{}}{: <{}}] {:3.0f} %", what, "", filled, "",
                                   kWidth - filled, 100 * done));
+}
+
+using Clock = std::chrono::steady_clock;
+
+/// 0:09, 12:34, 3:00:00.
+std::string time_text(double seconds) {
+    const auto s = static_cast<long>(std::ceil(seconds));
+    if (s < 3600) return fmt::format("{}:{:02}", s / 60, s % 60);
+    return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
 }  // namespace
@@ -48,6 +60,28 @@ Watch Console::watch(std::string_view what) const {
             print_message(fmt::format("{}: {} %\n", what, 25 * step));
     };
     return watch;
+}
+
+Progress Console::frames(std::string_view what, std::size_t count) const {
+    if (quiet_ || count == 0) return nullptr;
+    const bool terminal = isatty(STDERR_FILENO) == 1;
+    const auto start = Clock::now();
+    return [what = std::string(what), count, terminal, start,
+            told = std::size_t{0}](std::size_t done) mutable {
+        // Every frame on a terminal, quarters in a log.
+        const std::size_t step = terminal ? done : 4 * done / count;
+        if (step <= told) return;
+        told = step;
+        const double seconds =
+            std::max(1e-3, std::chrono::duration<double>(Clock::now() - start).count());
+        const double left = seconds / double(done) * double(count - done);
+        const std::string line = fmt::format("{}: {}/{} frames, {:.2f} frames/s, {} left", what,
+                                             done, count, double(done) / seconds, time_text(left));
+        if (!terminal)
+            print_message(line + "\n");
+        else
+            print_message(done == count ? "\r\033[K" : "\r\033[K" + line);
+    };
 }
 
 void print_message(const std::string& text) {

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <string_view>
 
 #include "core/watch.h"
 
 namespace chromeball {
+
+/// Called with the number of frames done so far, from one thread at a time.
+using Progress = std::function<void(std::size_t done)>;
 
 /// What a command tells the user on stderr: what it decided, warnings, progress.
 class Console {
@@ -18,6 +23,9 @@ public:
     void warn(const std::string& line) const;
     /// Watches a job: stops it on Ctrl-C; a bar on a terminal, a line a quarter otherwise.
     Watch watch(std::string_view what) const;
+    /// Shows how many of so many frames are done, how many a second, and how long it will still
+    /// take; nothing where there are none.
+    Progress frames(std::string_view what, std::size_t count) const;
 
 private:
     bool quiet_;

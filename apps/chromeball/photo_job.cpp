@@ -130,6 +130,24 @@ FoundBall told_ball(const Photo& photo, const PhotoOptions& options) {
 
 FoundBall searched_ball(const Photo& photo, const CameraChoice& camera, const PhotoOptions& options,
                         const Watch& watch) {
+    FoundBall ball;
+    ball.how = "found";
+    const auto candidates = find_balls(photo, search_options(options, camera), watch);
+    if (candidates.empty()) return ball;
+    ball.candidate = candidates.front();
+    ball.others.assign(candidates.begin() + 1, candidates.end());
+    ball.outline = candidates.front().outline;
+    ball.found = candidates.front().confidence >= options.threshold;
+    return ball;
+}
+
+}  // namespace
+
+Outline told_outline(const Photo& photo, const PhotoOptions& options) {
+    return told_ball(photo, options).outline;
+}
+
+DetectOptions search_options(const PhotoOptions& options, const CameraChoice& camera) {
     DetectOptions search;
     search.threshold = options.threshold;
     // Seen through a lens that distorts, the rim is no cone's ellipse: it is fitted freely then.
@@ -145,18 +163,8 @@ FoundBall searched_ball(const Photo& photo, const CameraChoice& camera, const Ph
                                *options.radius_range));
         search.radius_range = {n[0], n[1]};
     }
-    FoundBall ball;
-    ball.how = "found";
-    const auto candidates = find_balls(photo, search, watch);
-    if (candidates.empty()) return ball;
-    ball.candidate = candidates.front();
-    ball.others.assign(candidates.begin() + 1, candidates.end());
-    ball.outline = candidates.front().outline;
-    ball.found = candidates.front().confidence >= options.threshold;
-    return ball;
+    return search;
 }
-
-}  // namespace
 
 PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch) {
     const int ways = options.ball.has_value() + options.ellipse.has_value() + options.cropped;

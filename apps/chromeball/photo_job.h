@@ -38,6 +38,13 @@ struct PhotoJob {
 /// not found is an answer: job.ball.found. Throws Error for bad files and contradicting options.
 PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch);
 
+/// The outline that --ball or --ellipse tells of a photo. Throws Error (usage) where it lies
+/// outside.
+Outline told_outline(const Photo& photo, const PhotoOptions& options);
+
+/// What a ball is searched with. Throws Error (usage) for options that cannot be understood.
+DetectOptions search_options(const PhotoOptions& options, const CameraChoice& camera);
+
 /// The error for a photo whose ball was not found: status 4, with the way out.
 Error no_ball(const PhotoJob& job, double threshold);
 

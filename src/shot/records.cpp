@@ -132,7 +132,7 @@ std::optional<TrackRecord> track_record_from(std::string_view line) {
 std::string to_line(const SolveHead& head) {
     Json json = record(kSolve);
     json["settings"] = head.settings;
-    if (head.size) json["size"] = *head.size;
+    json["steradians"] = head.steradians;
     return line_of(json);
 }
 
@@ -140,7 +140,7 @@ std::optional<SolveHead> solve_head_from(std::string_view line) {
     return taken(line, kSolve, [](const Json& json) {
         SolveHead head;
         head.settings = json.at("settings");
-        if (json.contains("size")) head.size = json.at("size").get<int>();
+        head.steradians = json.at("steradians");
         return head;
     });
 }
@@ -150,6 +150,7 @@ std::string to_line(const SolvedFrame& f) {
     json["frame"] = f.frame;
     json["outcome"] = name_of(f.outcome);
     if (f.outline) json["outline"] = to_json(*f.outline);
+    json["piece"] = f.piece;
     json["lens_blur"] = f.lens_blur;
     json["confidence"] = f.confidence;
     if (f.tracked) json["tracked"] = to_json(*f.tracked);
@@ -164,6 +165,7 @@ std::optional<SolvedFrame> solved_frame_from(std::string_view line) {
         f.frame = json.at("frame");
         f.outcome = outcome_named(json.at("outcome").get<std::string>()).value();
         if (json.contains("outline")) f.outline = outline_from(json.at("outline"));
+        f.piece = json.at("piece");
         f.lens_blur = json.at("lens_blur");
         f.confidence = json.at("confidence");
         if (json.contains("tracked")) f.tracked = outline_from(json.at("tracked"));
@@ -193,6 +195,12 @@ std::optional<ConvertRecord> convert_record_from(std::string_view line) {
         r.message = json.at("message");
         return r;
     });
+}
+
+std::string json_object(const std::vector<std::pair<std::string, std::string>>& values) {
+    Json json = Json::object();
+    for (const auto& [name, value] : values) json[name] = value;
+    return json.dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
 std::string hash_of(std::string_view text) {

@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "shot/solve.h"
@@ -21,8 +22,10 @@ std::optional<TrackRecord> track_record_from(std::string_view line);
 
 /// The head of the solve's file: what it was made with, and what holds for all frames.
 struct SolveHead {
-    std::string settings;     ///< hash of what the solve depends on
-    std::optional<int> size;  ///< of the maps, where none was asked for
+    std::string settings;  ///< hash of what the solve depends on
+    /// Solid angle, steradians, that a pixel of the largest ball shows in the mean: maps are as
+    /// fine as that asks for, all of one size. 0: no ball.
+    double steradians = 0;
 
     bool operator==(const SolveHead&) const = default;
 };
@@ -50,6 +53,9 @@ void for_each_line(std::string_view text, const Each& each) {
         text.remove_prefix(end + 1);
     }
 }
+
+/// Names and values as the text of a JSON object.
+std::string json_object(const std::vector<std::pair<std::string, std::string>>& values);
 
 /// A hash of a text as 16 hexadecimal digits (FNV-1a, 64 bits): tells settings apart, keeps no
 /// secrets.

@@ -308,6 +308,7 @@ public:
         const Piece* piece = piece_near(pieces_, record.frame, within);
         const std::optional<Outline> path = piece ? path_at(*piece, record) : std::nullopt;
         if (!path) return without_ball(frame);
+        frame.piece = static_cast<int>(piece - pieces_.data());
         frame.lens_blur = piece->lens_blur;
         frame.outline = path;
         if (options_.keys.contains(record.frame)) {
@@ -417,6 +418,27 @@ private:
     const std::vector<Piece>& pieces_;
 };
 
+std::vector<SolvedFrame> as_told(const std::vector<TrackRecord>& records) {
+    std::vector<SolvedFrame> frames;
+    for (const TrackRecord& record : records) {
+        SolvedFrame frame;
+        frame.frame = record.frame;
+        frame.message = record.message;
+        frame.outcome = !record.there      ? FrameOutcome::missing
+                        : !record.readable ? FrameOutcome::failed
+                        : record.ball      ? FrameOutcome::found
+                                           : FrameOutcome::missing;
+        frame.flagged = frame.outcome != FrameOutcome::found;
+        if (!frame.flagged) {
+            frame.outline = frame.tracked = record.ball->outline;
+            frame.confidence = record.ball->confidence;
+            frame.piece = 0;
+        }
+        frames.push_back(frame);
+    }
+    return frames;
+}
+
 bool all_have_focal(const std::vector<TrackRecord>& records) {
     return std::all_of(records.begin(), records.end(), [](const TrackRecord& r) {
         return !r.there || !r.readable || !r.camera.orthographic();
@@ -427,6 +449,7 @@ bool all_have_focal(const std::vector<TrackRecord>& records) {
 
 std::vector<SolvedFrame> solve(const std::vector<TrackRecord>& records,
                                const SolveOptions& options) {
+    if (options.told) return as_told(records);
     const Shape shape(all_have_focal(records));
     std::vector<Piece> pieces =
         pieces_from(measurements_of(records, options, shape), records, options.lock);

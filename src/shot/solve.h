@@ -19,6 +19,8 @@ enum class MissingFrames {
 
 struct SolveOptions {
     MissingFrames missing = MissingFrames::hold;
+    /// The outlines are told, not measured: they are taken as they are.
+    bool told = false;
     bool lock = false;  ///< the ball stands still in the picture: one outline for all frames
     std::map<int, Outline> keys;  ///< corrections by hand, by frame; circles are enough
 };
@@ -28,6 +30,7 @@ struct SolvedFrame {
     int frame = 0;
     FrameOutcome outcome = FrameOutcome::missing;
     std::optional<Outline> outline;
+    int piece = -1;         ///< of the path, between jumps; -1: on none
     double lens_blur = 0;   ///< standard deviation, pixels; the same throughout a piece of the path
     double confidence = 0;  ///< of the detection
     std::optional<Outline> tracked;

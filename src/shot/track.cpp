@@ -39,4 +39,24 @@ bool well_inside(const Outline& outline, const Window& window, const Window& pic
            (bottom == picture.y + picture.size.height || box.bottom <= bottom);
 }
 
+Photo part_of(const Photo& photo, const Window& window) {
+    Photo part = photo;
+    part.window = window;
+    const std::size_t pixel =
+        bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
+    const auto offset = [&](int x, int y) {
+        return (static_cast<std::size_t>(y - photo.window.y) *
+                    static_cast<std::size_t>(photo.window.size.width) +
+                static_cast<std::size_t>(x - photo.window.x)) *
+               pixel;
+    };
+    const std::size_t row = static_cast<std::size_t>(window.size.width) * pixel;
+    part.pixels.resize(row * static_cast<std::size_t>(window.size.height));
+    for (int y = 0; y < window.size.height; ++y)
+        std::copy_n(
+            photo.pixels.begin() + static_cast<std::ptrdiff_t>(offset(window.x, window.y + y)), row,
+            part.pixels.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(y)));
+    return part;
+}
+
 }  // namespace chromeball

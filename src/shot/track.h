@@ -5,6 +5,7 @@
 
 #include "core/image.h"
 #include "core/outline.h"
+#include "core/photo.h"
 #include "map/camera.h"
 
 namespace chromeball {
@@ -45,5 +46,8 @@ Window search_window(const Outline& last, double margin, const Window& picture);
 /// Whether an outline lies inside of a window so well that its rim was seen whole; where the
 /// window ends with the picture itself the ball may reach beyond.
 bool well_inside(const Outline& outline, const Window& window, const Window& picture);
+
+/// The part of a photo that a window shows, which must lie in photo.window.
+Photo part_of(const Photo& photo, const Window& window);
 
 }  // namespace chromeball
