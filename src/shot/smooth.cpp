@@ -69,11 +69,15 @@ public:
         const double misfit =
             residual.dot(weights_.cwiseProduct(residual)) + curve_.dot(penalty_ * curve_) / ratio;
         const double free = std::max(0.0, trusted_ - order_) + kBelief;
-        variance_ = (misfit + kBelief) / free;
+        // A detection may be a few times worse than it thinks. What differs more is no noise of its
+        // own but a shake to be followed.
+        constexpr double kLeastNoise = 0.5, kMostNoise = 4;
+        variance_ = std::clamp((misfit + kBelief) / free, kLeastNoise * kLeastNoise,
+                               kMostNoise * kMostNoise);
         const double volume = solver_.vectorD().array().max(1e-300).log().sum();
         // Paths are smooth rather than not: a softer curve has to pay its way.
         constexpr double kSmoothness = 2;  // per power of ten
-        return free * std::log(variance_) + volume +
+        return free * std::log(variance_) + (misfit + kBelief) / variance_ + volume +
                (count_ - order_ + kSmoothness / std::numbers::ln10) * std::log(ratio);
     }
 

@@ -32,8 +32,8 @@ struct Stiffness {
 ///
 /// The stiffness is the one with the greatest marginal likelihood (the curve integrated out), so
 /// that a shake that lasts is followed and what looks like noise of the samples' own size is not.
-/// The noise's scale is found along with it; a few pseudo-observations keep it near 1, for white
-/// shake and white noise cannot be told apart but by their size.
+/// The noise's scale is found along with it, from half to four times what its maker thinks, for
+/// white shake and white noise cannot be told apart but by their size.
 ///
 /// Whittaker: On a new method of graduation, 1923; Wahba: A comparison of GCV and GML for choosing
 /// the smoothing parameter, 1985.

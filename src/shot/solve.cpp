@@ -207,10 +207,11 @@ Smoothed constant(const Samples& samples) {
 }
 
 Smoothed smoothed(const Samples& samples, std::size_t number, bool lock) {
-    // The shape of an ellipse without a camera changes as slowly as perspective does.
-    constexpr double kStiffShape = 1e-8;
+    // The shape of an ellipse without a camera changes as slowly as perspective does: waves of less
+    // than about 60 frames (2 pi / 1e-6^(1/6)) are noise.
+    constexpr double kStiffShape = 1e-6;
     if (lock) return constant(samples);
-    return smooth(samples, number < 3 ? Stiffness{4, 0} : Stiffness{2, kStiffShape});
+    return smooth(samples, number < 3 ? Stiffness{4, 0} : Stiffness{3, kStiffShape});
 }
 
 /// Fits the path, then weighs each measurement anew by how well it fits in all its numbers, and

@@ -22,7 +22,7 @@ struct SolveOptions {
     /// The outlines are told, not measured: they are taken as they are.
     bool told = false;
     bool lock = false;  ///< the ball stands still in the picture: one outline for all frames
-    std::map<int, Outline> keys;  ///< corrections by hand, by frame; circles are enough
+    std::map<int, Outline> keys = {};  ///< corrections by hand, by frame; circles are enough
 };
 
 /// The stage `solve`, one frame: where its ball is taken to be.
