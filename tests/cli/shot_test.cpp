@@ -1,0 +1,422 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "cli/program.h"
+#include "cli/refusal.h"
+#include "cli/world.h"
+#include "detect/painted.h"
+
+// The command shot on a small plate: a ball that drifts through 320 x 180 pixels.
+
+namespace chromeball::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kFirst = 1005, kLast = 1012;  // 1008 is a key frame, 1005 the first of its block
+constexpr double kFocal = 420;
+
+painted::Scene scene(int frame) {
+    painted::Scene s;
+    s.size = {320, 180};
+    s.camera = {kFocal, V2d(160, 90)};
+    const double t = frame - kFirst;
+    s.centre = V3d(-1.2 + 0.12 * t, 0.3 - 0.04 * t * t / 4, -10 + 0.1 * t);
+    return s;
+}
+
+std::string plate_name(int frame) { return fmt::format("plate.{}.exr", frame); }
+
+/// The plates as EXRs, painted once for all tests.
+const std::map<int, std::string>& plates() {
+    static const std::map<int, std::string> painted = [] {
+        const TempFolder folder;
+        std::map<int, std::string> bytes;
+        for (int frame = kFirst; frame <= kLast; ++frame) {
+            const painted::Scene s = scene(frame);
+            Image image(s.size, 3);
+            const auto light = s.light();
+            std::copy(light.begin(), light.end(), image.row(0));
+            write_exr(folder / "p.exr", image);
+            bytes[frame] = read_bytes(folder / "p.exr");
+        }
+        return bytes;
+    }();
+    return painted;
+}
+
+void put_plates(const TempFolder& folder) {
+    for (const auto& [frame, bytes] : plates()) write_bytes(folder / plate_name(frame), bytes);
+}
+
+Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// `shot` into a folder, with what all of these tests ask for unless they ask for something else.
+Words shot(const std::string& out, const Words& more = {}) {
+    Words words = {"shot",       "plate.####.exr",         "-o", out + "/probe.####.exr",
+                   "--focal-px", fmt::format("{}", kFocal)};
+    const Words usual[] = {{"--size", "16"}, {"--jobs", "2"}, {"--quiet"}};
+    for (const Words& one : usual)
+        if (std::find(more.begin(), more.end(), one.front()) == more.end())
+            words = with(words, one);
+    return with(words, more);
+}
+
+void make(const TempFolder& folder, const std::string& name) {
+    fs::create_directory(folder / name);
+}
+
+/// The results of a run by frame; nothing of a frame that has none.
+std::map<int, std::string> results(const TempFolder& folder, const std::string& out) {
+    std::map<int, std::string> files;
+    for (int frame = kFirst; frame <= kLast; ++frame) {
+        const std::string file = folder / fmt::format("{}/probe.{}.exr", out, frame);
+        if (exists(file)) files[frame] = read_bytes(file);
+    }
+    return files;
+}
+
+/// What a plain run makes, once for all tests.
+const std::map<int, std::string>& expected() {
+    static const std::map<int, std::string> made = [] {
+        const TempFolder folder;
+        put_plates(folder);
+        make(folder, "out");
+        EXPECT_EQ(run(folder, shot("out")).status, 0);
+        return results(folder, "out");
+    }();
+    return made;
+}
+
+Json report_in(const TempFolder& folder, const std::string& name) {
+    return Json::parse(read_bytes(folder / name));
+}
+
+std::map<int, std::string> outcomes(const Json& report) {
+    std::map<int, std::string> all;
+    for (const Json& frame : report.at("frames")) all[frame.at("frame")] = frame.at("outcome");
+    return all;
+}
+
+std::size_t written_in(const Json& report) {
+    const Json& summary = report.at("summary");
+    return summary.at("found").get<std::size_t>() + summary.at("filled").get<std::size_t>();
+}
+
+/// What lies in a folder besides the stages' files.
+std::vector<std::string> visible(const TempFolder& folder, const std::string& out) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder / out))
+        if (entry.path().filename() != ".chromeball")
+            names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+TEST(Shot, FindsTheBallInEveryFrameAndTellsOfIt) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const Outcome outcome =
+        run(folder, shot("out", {"--report", "r.json", "--report", "r.html", "--jobs", "1"}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_EQ(results(folder, "out"), expected());  // whatever the jobs
+    EXPECT_EQ(visible(folder, "out").size(), plates().size());
+
+    const Json report = report_in(folder, "r.json");
+    EXPECT_EQ(report.at("frames").size(), plates().size());
+    EXPECT_EQ(written_in(report), plates().size());
+    EXPECT_EQ(report.at("settings").at("layout"), "latlong");
+    for (const Json& frame : report.at("frames")) {
+        const Json& o = frame.at("outline");
+        const Outline seen{o.at("cx"), o.at("cy"), o.at("a"), o.at("b"), o.at("angle")};
+        // 2.5: so small a ball before such a street is seen to a pixel or two; see tests/detect.
+        EXPECT_LT(rim_deviation(seen, scene(frame.at("frame")).outline()), 2.5) << frame;
+        EXPECT_GT(frame.at("seconds"), 0);
+    }
+    const std::string page = read_bytes(folder / "r.html");
+    EXPECT_NE(page.find("data:image/png;base64,"), std::string::npos);
+    EXPECT_NE(page.find("1008"), std::string::npos);
+}
+
+TEST(Shot, GivesTheSameBytesFromStagesAndParts) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    for (const char* part : {"1010-1012", "1005-1007", "1008,1009"})
+        EXPECT_EQ(run(folder, shot("out", {"--stage", "track", "--frames", part})).status, 0);
+    EXPECT_TRUE(results(folder, "out").empty());
+    EXPECT_EQ(run(folder, shot("out", {"--stage", "solve"})).status, 0);
+    for (const char* part : {"1007-1012", "1005,1006"})
+        EXPECT_EQ(run(folder, shot("out", {"--stage", "convert", "--frames", part})).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+    EXPECT_EQ(run(folder, shot("out", {"--stage", "report", "--report", "r.json"})).status, 0);
+    EXPECT_EQ(written_in(report_in(folder, "r.json")), plates().size());
+}
+
+TEST(Shot, AsksForTheStagesBefore) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const Outcome outcome = run(folder, shot("out", {"--stage", "convert"}));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_TRUE(outcome.says("run --stage solve first")) << outcome.err;
+}
+
+TEST(Shot, DoesOnlyWhatIsNotThereOrNotRight) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    ASSERT_EQ(run(folder, shot("out")).status, 0);
+    const auto dates = [&] {
+        std::map<std::string, fs::file_time_type> all;
+        for (const std::string& name : visible(folder, "out"))
+            all[name] = fs::last_write_time(folder / ("out/" + name));
+        return all;
+    };
+    const auto before = dates();
+    fs::remove(folder / "out/probe.1006.exr");
+    const std::string torn = expected().at(1009);
+    write_bytes(folder / "out/probe.1009.exr", torn.substr(0, torn.size() / 2));
+    write_bytes(folder / "out/.probe.1010.exr.part", "left behind");
+    ASSERT_EQ(run(folder, shot("out")).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+    EXPECT_EQ(visible(folder, "out").size(), plates().size());  // no leftover either
+    for (const auto& [name, date] : dates())
+        EXPECT_EQ(date == before.at(name), name != "probe.1006.exr" && name != "probe.1009.exr")
+            << name;
+
+    // Another setting makes all of them anew, and --overwrite does in any case.
+    ASSERT_EQ(run(folder, shot("out", {"--yaw", "90"})).status, 0);
+    EXPECT_NE(results(folder, "out").at(1005), expected().at(1005));
+    ASSERT_EQ(run(folder, shot("out")).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+    const auto then = dates();
+    ASSERT_EQ(run(folder, shot("out", {"--overwrite"})).status, 0);
+    for (const auto& [name, date] : dates()) EXPECT_NE(date, then.at(name));
+    EXPECT_EQ(results(folder, "out"), expected());
+}
+
+TEST(Shot, GoesOnAfterBeingKilled) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    for (const int milliseconds : {60, 150, 300, 450}) {
+        Running running(folder, shot("out"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+        running.signal(SIGKILL);
+        running.wait();
+    }
+    ASSERT_EQ(run(folder, shot("out")).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+    EXPECT_EQ(visible(folder, "out").size(), plates().size());
+}
+
+TEST(Shot, StopsWhenInterruptedAndGoesOn) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    Words words = shot("out");
+    std::erase(words, "--quiet");
+    Running running(folder, words);
+    while (!running.ended() && running.said().find("tracking: ") == std::string::npos)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    running.signal(SIGINT);
+    EXPECT_EQ(running.wait().status, 130);
+    ASSERT_EQ(run(folder, shot("out")).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+}
+
+TEST(Shot, WritesTheOthersWhenFramesAreBroken) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const std::string whole = plates().at(1007);
+    write_bytes(folder / plate_name(1007), whole.substr(0, whole.size() * 9 / 10));
+    write_bytes(folder / plate_name(1009), "");
+    write_bytes(folder / plate_name(1012), "no picture at all");
+    fs::remove(folder / plate_name(1010));
+    const Outcome outcome =
+        run(folder, shot("out", {"--frames", "1005-1012", "--report", "r.json"}));
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_EQ(outcome.lines_with("error"), 1U) << outcome.err;
+    EXPECT_TRUE(outcome.says("4 of 8 frames were not written: 1007,1009-1010,1012")) << outcome.err;
+    const auto told = outcomes(report_in(folder, "r.json"));
+    EXPECT_EQ(told.at(1007), "failed");
+    EXPECT_EQ(told.at(1009), "failed");
+    EXPECT_EQ(told.at(1010), "missing");
+    EXPECT_EQ(told.at(1012), "failed");
+    const auto written = results(folder, "out");
+    for (const int frame : {1005, 1006, 1008, 1011}) EXPECT_TRUE(written.contains(frame));
+    EXPECT_EQ(written.size(), 4U);
+    EXPECT_EQ(visible(folder, "out").size(), 4U);
+
+    // Mended plates are taken up by a rerun.
+    put_plates(folder);
+    ASSERT_EQ(run(folder, shot("out", {"--frames", "1005-1012"})).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+}
+
+TEST(Shot, HoldsSkipsOrInterpolatesFramesWithoutABall) {
+    const TempFolder folder;
+    put_plates(folder);
+    const Image grey({320, 180}, 3);
+    write_exr(folder / plate_name(1008), grey);  // a key frame, too
+    const auto outline_of = [](const Json& report, int frame) {
+        return report.at("frames").at(static_cast<std::size_t>(frame - kFirst)).at("outline");
+    };
+    make(folder, "held");
+    ASSERT_EQ(run(folder, shot("held", {"--report", "h.json"})).status, 0);
+    const Json held = report_in(folder, "h.json");
+    EXPECT_EQ(outcomes(held).at(1008), "held");
+    EXPECT_NEAR(outline_of(held, 1008).at("cx"), outline_of(held, 1007).at("cx"), 0.5);
+    EXPECT_TRUE(results(folder, "held").contains(1008));
+
+    make(folder, "filled");
+    ASSERT_EQ(run(folder, shot("filled", {"--report", "f.json", "--missing=interpolate"})).status,
+              0);
+    const Json filled = report_in(folder, "f.json");
+    EXPECT_EQ(outcomes(filled).at(1008), "filled");
+    // The ball moves 5 pixels a frame.
+    EXPECT_NEAR(outline_of(filled, 1008).at("cx"), scene(1008).outline().cx, 1);
+
+    make(folder, "skipped");
+    EXPECT_EQ(run(folder, shot("skipped", {"--report", "s.json", "--missing", "skip"})).status, 3);
+    EXPECT_EQ(outcomes(report_in(folder, "s.json")).at(1008), "missing");
+    EXPECT_EQ(results(folder, "skipped").size(), plates().size() - 1);
+}
+
+TEST(Shot, FindsNoBallInAShotWithoutOne) {
+    const TempFolder folder;
+    make(folder, "out");
+    for (const int frame : {1, 2})
+        write_exr(folder / fmt::format("plate.000{}.exr", frame), Image({64, 48}, 3));
+    const Outcome outcome = run(folder, shot("out"));
+    EXPECT_EQ(outcome.status, 4);
+    EXPECT_EQ(outcome.lines_with("error"), 1U) << outcome.err;
+    EXPECT_TRUE(visible(folder, "out").empty());
+}
+
+TEST(Shot, MakesFoldersOfFacesAndAnyOtherMap) {
+    const TempFolder folder;
+    put_plates(folder);
+    const Words words = {"shot", "plate.%04d.exr", "--frames", "1005-1007x2", "--focal-px",
+                         "420",  "--size",         "8",        "--quiet"};
+    const auto outcomes = run_all(
+        folder,
+        {with(words, {"-o", "sh.####", "--layout", "faces", "--work", "w1"}),
+         with(words, {"-o", "####/env.png", "--for", "unreal", "--format", "png", "--work", "w2"}),
+         with(words, {"-o", "x.$F4.hdr", "--for", "unreal", "--work", "w3"}),
+         with(words, {"-o", "y.@.png", "--layout", "cross-h", "--lock", "--work", "w4"})});
+    EXPECT_EQ(outcomes[0].status, 0) << outcomes[0].err;
+    for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) {
+        EXPECT_TRUE(exists(folder / fmt::format("sh.1005/{}.exr", face)));
+        EXPECT_TRUE(exists(folder / fmt::format("sh.1007/{}.exr", face)));
+    }
+    EXPECT_FALSE(exists(folder / "sh.1006"));
+    EXPECT_EQ(outcomes[1].status, 0) << outcomes[1].err;
+    EXPECT_TRUE(exists(folder / "1005/env.png"));
+    EXPECT_EQ(outcomes[2].status, 0) << outcomes[2].err;
+    EXPECT_TRUE(exists(folder / "x.1007.hdr"));
+    EXPECT_EQ(outcomes[3].status, 0) << outcomes[3].err;
+    EXPECT_EQ(read_floats(folder / "y.1005.png").size(), (Size{32, 24}));
+    // Faces and other formats are known again, too.
+    const auto date = fs::last_write_time(folder / "sh.1005/nz.exr");
+    const auto date_of_png = fs::last_write_time(folder / "y.1005.png");
+    run_all(folder,
+            {with(words, {"-o", "sh.####", "--layout", "faces", "--work", "w1"}),
+             with(words, {"-o", "y.@.png", "--layout", "cross-h", "--lock", "--work", "w4"})});
+    EXPECT_EQ(fs::last_write_time(folder / "sh.1005/nz.exr"), date);
+    EXPECT_EQ(fs::last_write_time(folder / "y.1005.png"), date_of_png);
+}
+
+TEST(Shot, TurnsEachFrameByItsOwnCamera) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "a");
+    make(folder, "b");
+    write_bytes(folder / "c.json",
+                R"({"frames": {"1006": {"camera_to_world": [0,0,1,0,1,0,-1,0,0]}}})");
+    const Words two = {"--frames", "1005,1006"};
+    ASSERT_EQ(run(folder, shot("a", with(two, {"--cameras", "c.json"}))).status, 0);
+    ASSERT_EQ(run(folder, shot("b", with(two, {"--yaw", "90"}))).status, 0);
+    EXPECT_EQ(largest_difference(read_floats(folder / "a/probe.1006.exr"),
+                                 read_floats(folder / "b/probe.1006.exr")),
+              0);
+    EXPECT_GT(largest_difference(read_floats(folder / "a/probe.1005.exr"),
+                                 read_floats(folder / "b/probe.1005.exr")),
+              0.01);
+}
+
+TEST(Shot, AveragesMapsOverTime) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    ASSERT_EQ(run(folder, shot("out", {"--smooth-frames", "3", "--float"})).status, 0);
+    make(folder, "plain");
+    ASSERT_EQ(run(folder, shot("plain", {"--float"})).status, 0);
+    Image sum = read_floats(folder / "plain/probe.1006.exr");
+    for (const char* other : {"plain/probe.1005.exr", "plain/probe.1007.exr"}) {
+        const Image one = read_floats(folder / other);
+        for (int i = 0; i < one.width() * one.channels() * one.height(); ++i)
+            sum.row(0)[i] += one.row(0)[i];
+    }
+    for (int i = 0; i < sum.width() * sum.channels() * sum.height(); ++i) sum.row(0)[i] /= 3;
+    // 1e-5: another order of rounding in 32-bit floats, of light up to 30.
+    EXPECT_LT(largest_difference(read_floats(folder / "out/probe.1006.exr"), sum), 1e-5);
+}
+
+TEST(Shot, GivesUpWhereNothingCanBeWritten) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    Circumstances full;
+    full.file_size_bytes = 4000;  // enough for the records of a few frames, not for a map
+    const Outcome outcome = run(folder, shot("out", {"--size", "64", "--jobs", "1"}), full);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.lines_with("error"), 1U) << outcome.err;
+    EXPECT_TRUE(outcome.says("cannot be written")) << outcome.err;
+    EXPECT_TRUE(visible(folder, "out").empty());
+    ASSERT_EQ(run(folder, shot("out")).status, 0);
+    EXPECT_EQ(results(folder, "out"), expected());
+}
+
+TEST(Shot, RefusesWhatIsTypedWrongBeforeItDoesAnything) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const std::string key = "1005:1,2";
+    expect_refusals(
+        folder,
+        {{{"shot", "plate.1005.exr", "-o", "out/p.####.exr"}, {"plate.####.exr"}},
+         {{"shot", "plate.####.exr", "-o", "out/p.exr"}, {"a place for the frame's number"}},
+         {{"shot", "none.####.exr", "-o", "out/p.####.exr"}, {"no such files"}, 1},
+         {{"shot", "plate.####.exr", "-o", "nowhere/p.####.exr"}, {"there is no folder"}, 1},
+         {{"shot", "plate.####.exr", "-o", "plate.####.exr"}, {"would replace the input"}},
+         {shot("out", {"--frames", "5-x"}), {"--frames 5-x"}},
+         {shot("out", {"--key", key}), {"FRAME:CX,CY,R"}},
+         {shot("out", {"--key", "1005:1,2,0"}), {"must be above 0"}},
+         {shot("out", {"--stage", "paint"}), {"--stage"}},
+         {shot("out", {"--missing", "guess"}), {"--missing"}},
+         {shot("out", {"--smooth-frames", "2"}), {"odd"}},
+         {shot("out", {"--report", "r.txt"}), {".json or .html"}},
+         {shot("out", {"--ball", "1,2,3", "--lock"}), {"--lock"}},
+         {shot("out", {"--cameras", "none.json"}), {"none.json"}, 1},
+         {shot("out", {"--hfov", "40"}), {"--hfov"}},
+         {shot("out", {"--size", "0"}), {"--size"}}});
+}
+
+}  // namespace
+}  // namespace chromeball::test
