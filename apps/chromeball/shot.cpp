@@ -45,11 +45,24 @@ int tell_summary(const Shot& shot, const ShotReport& report) {
     return static_cast<int>(unseen ? Error::Kind::no_ball : Error::Kind::failed);
 }
 
+void submit_shot(const Shot& shot) {
+    const ShotOptions& o = shot.options;
+    if (o.stage)
+        throw Error(Error::Kind::usage,
+                    "--farm: submits all stages as jobs, --stage runs one here; drop one of them");
+    const auto jobs = o.jobs > 0 ? std::optional(o.jobs) : std::nullopt;
+    submit_to_farm(o.farm, shot.frames, shot.work, jobs, o.common.quiet);
+}
+
 void run_shot(const ShotOptions& o) {
     const auto start = std::chrono::steady_clock::now();
     // Frames are what runs side by side; within one a single thread works, unless told otherwise.
     const ThreadLimit limit(std::max(1, o.common.threads));
     const std::unique_ptr<Shot> shot = plan_shot(o);
+    if (o.farm.wanted()) {
+        submit_shot(*shot);
+        return;
+    }
     const auto runs = [&](const char* stage) { return !o.stage || *o.stage == stage; };
     if (runs("track")) run_track(*shot);
     if (runs("solve")) run_solve(*shot);
@@ -163,6 +176,8 @@ void add_shot(CLI::App& app) {
         ->type_name("FILE.json");
     add_map_options(*command, o->map);
     add_stage_options(*command, *o);
+    add_farm_options(*command, o->farm);
+    add_status_option(*command);
     add_photo_options(*command, o->photo);
     add_color_options(*command, o->color);
     add_common_options(*command, o->common);

@@ -18,6 +18,7 @@
 #include "shot/pattern.h"
 #include "shot/records.h"
 #include "shot/solve.h"
+#include "shot_farm.h"
 #include "shot_plates.h"
 
 namespace chromeball {
@@ -39,6 +40,7 @@ struct ShotOptions {
     int smooth_frames = 1;
     std::vector<std::string> reports;
     int jobs = 0;  ///< 0: one a processor
+    FarmOptions farm;
     bool overwrite = false;
 };
 

@@ -1,14 +1,17 @@
 #include "shot_farm.h"
 
 #include <fmt/format.h>
-#include <CLI/Validators.hpp>
+#include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "console.h"
 #include "core/error.h"
+#include "io/lines.h"
 #include "run_program.h"
 #include "shot/farm.h"
+#include "shot/status.h"
 
 namespace chromeball {
 namespace {
@@ -31,29 +34,74 @@ void make_folder(const std::string& path) {
                         failed.message()));
 }
 
+/// The files of a stage, as their names sort.
+std::vector<std::string> stage_files(const fs::path& folder) {
+    std::vector<std::string> files;
+    std::error_code none;  // a stage that has not begun has no folder
+    for (const auto& entry : fs::directory_iterator(folder, none))
+        if (entry.path().extension() == ".jsonl") files.push_back(entry.path().string());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+void tell_status(const std::string& work) {
+    ShotStatus status;
+    bool begun = fs::is_directory(fs::path(work) / "farm");
+    for (const char* stage : {"track", "", "convert"})
+        for (const std::string& file : stage_files(fs::path(work) / stage)) {
+            status.add(read_text(file));
+            begun = true;
+        }
+    if (!begun)
+        throw Error(Error::Kind::failed,
+                    fmt::format("{}: no files of a shot's stages; --status wants their folder, "
+                                ".chromeball/NAME beside the output, or what --work said",
+                                work));
+    print_result(status.text());
+}
+
 }  // namespace
 
 void add_farm_options(CLI::App& command, FarmOptions& options) {
+    const std::string group = "Farm";
     command
         .add_option("--farm", options.farm,
                     "Submit the stages as jobs of a farm instead of doing them here: slurm")
         ->check(CLI::IsMember(farm_names()))
-        ->capture_default_str();
+        ->capture_default_str()
+        ->group(group);
     command
         .add_option("--chunk", options.chunk,
                     "Frames a task of the farm, about: blocks of 16 frame numbers stay together")
         ->check(CLI::Range(1, 1'000'000))
-        ->capture_default_str();
+        ->capture_default_str()
+        ->group(group);
     command
         .add_option(
             "--farm-option", options.options,
             "A further word for the farm's program, e.g. --farm-option=--partition=gpu; may "
             "be repeated")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-        ->allow_extra_args(false);
-    command.add_flag("--farm-dry-run", options.dry_run,
-                     "Print a script that would submit the jobs, and submit nothing");
+        ->type_name("WORD")
+        ->allow_extra_args(false)
+        ->group(group);
+    command
+        .add_flag("--farm-dry-run", options.dry_run,
+                  "Print a script that would submit the jobs, and submit nothing")
+        ->group(group);
+}
+
+void add_status_option(CLI::App& command) {
+    command
+        .add_option_function<std::string>(
+            "--status",
+            [](const std::string& work) {
+                tell_status(work);
+                throw CLI::RuntimeError(0);
+            },
+            "Only tell what is done, from the folder of the stages' files")
+        ->type_name("DIR")
+        ->group("Running")
+        ->trigger_on_parse();
 }
 
 void submit_to_farm(const FarmOptions& options, const Frames& frames, const std::string& work,

@@ -32,4 +32,7 @@ void add_farm_options(CLI::App& command, FarmOptions& options);
 void submit_to_farm(const FarmOptions& options, const Frames& frames, const std::string& work,
                     std::optional<int> jobs, bool quiet);
 
+/// `--status DIR`: tells what is done and ends the program, whatever else is typed or missing.
+void add_status_option(CLI::App& command);
+
 }  // namespace chromeball

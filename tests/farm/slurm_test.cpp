@@ -1,13 +1,16 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
-#include <numeric>
 #include <thread>
 
 #include "cli/program.h"
+#include "cli/world.h"
 #include "run_program.h"
 #include "shot/farm.h"
 
@@ -32,7 +35,7 @@ protected:
         if (!std::getenv("CHROMEBALL_TEST_SLURM")) GTEST_SKIP() << "runs beside with_slurm.sh only";
     }
     void wait_for_all_jobs() {
-        const bool ended = within(60, [this] {
+        const bool ended = within(150, [this] {
             return run_other(folder_, {"squeue", "--noheader"}).out.empty();
         });
         ASSERT_TRUE(ended) << run_other(folder_, {"squeue"}).out;
@@ -44,104 +47,100 @@ protected:
     TempFolder folder_;
 };
 
-/// Does as shot does, in the large: frames are tracked, a solve sees all of them, probes depend on
-/// it; what is whole and of the same solve is not done again. Tracking waits for its end at frame
-/// 1050 where a file `wait` lies.
-constexpr std::string_view kShotInTheLarge = R"sh(#!/bin/sh
-stage= frames= failed=0
-while [ $# -gt 0 ]; do
-    case $1 in
-        --stage) stage=$2; shift ;;
-        --frames) frames=$2; shift ;;
-    esac
-    shift
-done
-mkdir -p track probes
-write() { cat >"$1.$$.part" && mv "$1.$$.part" "$1"; }
-numbers() { echo "$frames" | tr , '\n' | while IFS=- read -r a b; do seq "$a" "${b:-$a}"; done; }
-case $stage in
-    track)
-        for f in $(numbers); do
-            if [ "$f" = 1050 ] && [ -e wait ]; then : >waiting; exec sleep 100; fi
-            [ -e "track/$f" ] || echo "seen $f" | write "track/$f"
-        done ;;
-    solve)
-        for f in $(numbers); do cat "track/$f" 2>/dev/null || echo "unseen $f"; done | write solved
-        ! grep -q unseen solved || failed=3 ;;
-    convert)
-        sum=$(cksum <solved)
-        for f in $(numbers); do
-            probe="probe $f of $sum"
-            [ "$(cat "probes/$f" 2>/dev/null)" = "$probe" ] || echo "$probe" | write "probes/$f"
-        done ;;
-    report) for f in $(numbers); do cat "probes/$f"; done | write report ;;
-esac
-exit $failed
-)sh";
-
-struct LargeShot {
-    explicit LargeShot(const std::string& folder) {
-        std::system(("mkdir -p '" + folder + "/logs of it'").c_str());
-        shot.program = folder + "/a shot's program";
-        write_bytes(shot.program, kShotInTheLarge);
-        ::chmod(shot.program.c_str(), 0755);
-        shot.words = {"shot", "plates/a b.####.exr"};
-        shot.frames.resize(100);
-        std::iota(shot.frames.begin(), shot.frames.end(), 1001);
-        shot.chunk = 32;
-        shot.folder = folder;
-        shot.logs = folder + "/logs of it";
+/// Thirty-two frames of a ball, in both folders: a photo, in front of which the frame wanders.
+void cut_plates(const std::string& folder, const std::string& other) {
+    const Image photo = shrunk(read_floats(CHROMEBALL_DATA "/photos/interior.jpg"), 3);
+    for (int i = 0; i < 32; ++i) {
+        const int left = 20 + static_cast<int>(15 * std::sin(i / 9.0));
+        const int top = 10 + static_cast<int>(8 * std::cos(i / 7.0));
+        Image plate({photo.width() - 40, photo.height() - 20}, 3);
+        for (int y = 0; y < plate.height(); ++y)
+            std::copy_n(photo.pixel(left, top + y), plate.width() * 3, plate.row(y));
+        const std::string name = "/plates/p." + std::to_string(1001 + i) + ".png";
+        write_encoded(folder + name, plate);
+        std::filesystem::copy_file(folder + name, other + name);
     }
-    std::vector<std::string> submit() const {
-        const FarmKind& slurm = farm_kind("slurm");
-        return chromeball::submit(slurm, shot, farm_jobs(slurm, shot), run_program);
-    }
-    FarmShot shot;
-};
+}
 
-TEST_F(OnSlurm, AKilledTaskStopsNobodyElseAndTheNextSubmissionMendsIt) {
+std::size_t lines_of(const std::string& file) {
+    const std::string text = read_bytes(file);
+    return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(OnSlurm, AShotWithAKilledTaskGetsTheBytesOfALocalRun) {
     const std::string here = folder_ / "here", there = folder_ / "there";
-    const LargeShot local(here), far(there);
-    for (const char* stage : {"track", "solve", "convert", "report"})
-        ASSERT_EQ(run_other(folder_, {"sh", "-c",
-                                      "cd here && './a shot'\\''s program' --stage " +
-                                          std::string(stage) + " --frames 1001-1100"})
-                      .status,
-                  0);
+    for (const std::string& folder : {here, there})
+        for (const char* part : {"/plates", "/probes"})
+            std::filesystem::create_directories(folder + part);
+    cut_plates(here, there);
+    // The same words in both places, for the maps' metadata hold paths as typed.
+    const auto shot = [&](const std::string& folder, const std::string& more) {
+        return run_other(folder_,
+                         {"sh", "-c",
+                          "cd '" + folder +
+                              "' && exec '" CHROMEBALL_PROGRAM "' shot 'plates/p.####.png' "
+                              "-o 'probes/p.####.exr' --focal-px 900 --size 32 " +
+                              more});
+    };
+    const Outcome local = shot(here, "--quiet");
+    ASSERT_EQ(local.status, 0) << local.err;
 
-    write_bytes(there + "/wait", "");
-    const auto numbers = far.submit();
-    ASSERT_TRUE(within(30, [&] { return exists(there + "/waiting"); })) << logs(far.shot.logs);
-    // 1050 is of the second chunk: the task of index 1.
-    const Outcome killed =
-        run_other(folder_, {"scancel", "--signal=KILL", "--full", numbers[0] + "_1"});
-    EXPECT_EQ(killed.status, 0) << killed.err;
+    const std::string to_farm = "--farm slurm --chunk 16 --report shot.json";
+    const Outcome first = shot(there, to_farm);
+    ASSERT_EQ(first.status, 0) << first.err;
+    const std::string number = first.out.substr(6, first.out.find(' ', 6) - 6);
+    ASSERT_TRUE(first.out.starts_with("track ")) << first.out;
+    // Its second task, when it has tracked its key frame.
+    const std::string work = there + "/probes/.chromeball/p.exr";
+    const std::string file = work + "/track/1008-1023.jsonl";
+    ASSERT_TRUE(within(30, [&] { return lines_of(file) > 0; }))
+        << logs(work + "/farm") << text_of(folder_.content());
+    run_other(folder_, {"scancel", "--signal=KILL", "--full", number + "_1"});
     ASSERT_NO_FATAL_FAILURE(wait_for_all_jobs());
-    EXPECT_TRUE(exists(there + "/track/1049")) << "what the task had done stays";
-    EXPECT_FALSE(exists(there + "/track/1050"));
-    EXPECT_TRUE(exists(there + "/track/1100")) << logs(far.shot.logs);
-    EXPECT_TRUE(exists(there + "/probes/1100")) << "the others went on";
-    EXPECT_TRUE(exists(there + "/report")) << logs(far.shot.logs);
+    EXPECT_LT(lines_of(file), 16u) << "it was killed too late to tell anything";
+    EXPECT_TRUE(exists(there + "/probes/p.1032.exr")) << logs(work + "/farm");
+    const Outcome status = shot(there, "--status '" + work + "'");
+    EXPECT_EQ(status.out.find("track    32 of 32"), std::string::npos) << status.out;
+    EXPECT_NE(read_bytes(there + "/shot.json").find("not tracked yet"), std::string::npos);
 
-    run_other(folder_, {"rm", there + "/wait"});
-    far.submit();
+    ASSERT_EQ(shot(there, to_farm).status, 0);
     ASSERT_NO_FATAL_FAILURE(wait_for_all_jobs());
-    for (const char* name : {"/track", "/probes", "/solved", "/report"})
-        EXPECT_EQ(run_other(folder_, {"diff", "-r", here + name, there + name}).out, "") << name;
+    EXPECT_EQ(run_other(folder_, {"diff", "-r", "--exclude=.chromeball", here + "/probes",
+                                  there + "/probes"})
+                  .out,
+              "")
+        << logs(work + "/farm");
+    const Outcome done = shot(there, "--status '" + work + "'");
+    EXPECT_NE(done.out.find("track    32 of 32 frames: 32 with a ball"), std::string::npos)
+        << done.out;
+    EXPECT_NE(done.out.find("convert  32 of 32 frames written, 0 failed"), std::string::npos);
+    if (const char* keep = std::getenv("CHROMEBALL_KEEP_LOGS"))
+        write_bytes(keep, first.out + status.out + done.out + logs(work + "/farm"));
 }
 
 TEST_F(OnSlurm, AFailedSolveLeavesNothingWaiting) {
-    const std::string there = folder_ / "there";
-    LargeShot far(there);
-    write_bytes(far.shot.program,
-                "#!/bin/sh\ncase \"$*\" in *solve*) exit 1 ;; esac\n"
-                "echo \"$@\" >>done\n");
-    far.submit();
+    FarmShot shot;
+    shot.program = folder_ / "a shot's program";
+    write_bytes(shot.program,
+                "#!/bin/sh\ncase \"$*\" in *solve*) exit 1 ;; esac\necho \"$@\" >>done\n");
+    ::chmod(shot.program.c_str(), 0755);
+    shot.words = {"shot", "plates/a b.####.exr"};
+    shot.frames = {1001, 1002, 1020};
+    shot.chunk = 2;
+    shot.folder = folder_.path();
+    shot.logs = folder_ / "logs of 100%";
+    std::filesystem::create_directory(shot.logs);
+    const FarmKind& slurm = farm_kind("slurm");
+    submit(slurm, shot, farm_jobs(slurm, shot), run_program);
     ASSERT_NO_FATAL_FAILURE(wait_for_all_jobs());
-    const std::string done = read_bytes(there + "/done");
-    EXPECT_NE(done.find("--stage track"), std::string::npos);
+    const std::string done = read_bytes(folder_ / "done");
+    EXPECT_NE(done.find("plates/a b.####.exr --farm none --stage track --jobs 1 --frames 1020"),
+              std::string::npos)
+        << done;
     EXPECT_EQ(done.find("--stage convert"), std::string::npos) << "there is nothing to convert by";
     EXPECT_NE(done.find("--stage report"), std::string::npos) << "somebody must tell";
+    EXPECT_NE(run_other(folder_, {"ls", shot.logs}).out.find("chromeball-track."),
+              std::string::npos);
 }
 
 }  // namespace
