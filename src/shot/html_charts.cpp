@@ -346,7 +346,7 @@ std::string deviation_chart(const Rows& frames) {
             if (const auto v = deviation(panel.measure)(*frame)) sizes.push_back(std::abs(*v));
     if (sizes.empty()) return "";
     // The largest hundredth may stick out: one bad frame must not flatten the others.
-    auto most = sizes.begin() + static_cast<std::ptrdiff_t>(99 * (sizes.size() - 1) / 100);
+    auto most = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() - 1 - sizes.size() / 100);
     std::nth_element(sizes.begin(), most, sizes.end());
     const Scale y = value_scale(-*most, *most, 0.1, kTop, kBottom);
     std::string drawing = bands(stretches(frames), kTop, kBottom, false, "shade") +
