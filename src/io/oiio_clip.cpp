@@ -15,17 +15,7 @@ using OIIO::ImageSpec;
 
 class OiioClip : public ClipReader {
 public:
-    explicit OiioClip(const std::string& path) : path_(path), input_(ImageInput::create("ffmpeg")) {
-        if (!input_) {
-            OIIO::geterror();  // clears it
-            throw failure(path,
-                          "this OpenImageIO reads no film clips; extract its frames as "
-                          "pictures, with ffmpeg -i CLIP plate.%04d.png");
-        }
-        if (!input_->open(path, spec_))
-            throw failure(path, fmt::format("cannot be read as a film clip: {}; copy or export it "
-                                            "again",
-                                            input_->geterror()));
+    explicit OiioClip(const std::string& path) : path_(path), input_(opened()) {
         frames_ = spec_.get_int_attribute("oiio:subimages", 1);
     }
 
@@ -45,6 +35,12 @@ public:
         if (header_only) return photo;
         photo.pixels.resize(photo.window.size.pixels() * bytes_per_value(photo.type) *
                             static_cast<std::size_t>(photo.channels));
+        // The reader never drains the decoder: the last frames of codecs that reorder them cannot
+        // be had, and where another was read before they would silently repeat that. A reader of
+        // their own for those that may be concerned (decoders hold back 16 at most) has nothing to
+        // repeat.
+        constexpr int kHeldBack = 17;
+        if (index >= frames_ - kHeldBack) input_ = opened();
         const bool good = input_->seek_subimage(index, 0) &&
                           input_->read_image(index, 0, 0, photo.channels, type_desc_of(photo.type),
                                              photo.pixels.data());
@@ -54,15 +50,30 @@ public:
     }
 
 private:
+    std::unique_ptr<ImageInput> opened() {
+        auto reader = ImageInput::create("ffmpeg");
+        if (!reader) {
+            OIIO::geterror();  // clears it
+            throw failure(path_,
+                          "this OpenImageIO reads no film clips; extract its frames as "
+                          "pictures, with ffmpeg -i CLIP plate.%04d.png");
+        }
+        if (!reader->open(path_, spec_))
+            throw failure(path_, fmt::format("cannot be read as a film clip: {}; copy or export "
+                                             "it again",
+                                             reader->geterror()));
+        return reader;
+    }
+
     Error unreadable(int index, const std::string& why) const {
-        return failure(path_, fmt::format("frame {} cannot be read: {}; copy or export the clip "
-                                          "again",
+        return failure(path_, fmt::format("frame {} cannot be read: {}; extract the frames as "
+                                          "pictures, with ffmpeg -i CLIP plate.%04d.png",
                                           index + 1, why.empty() ? "damaged" : why));
     }
 
     std::string path_;
-    std::unique_ptr<ImageInput> input_;
     ImageSpec spec_;
+    std::unique_ptr<ImageInput> input_;
     int frames_ = 0;
     std::mutex lock_;
 };
