@@ -461,5 +461,26 @@ TEST(ExrMetadata, ThatCannotBeWrittenIsLeftOut) {
     EXPECT_FALSE(photo.metadata.find("odd"));
 }
 
+TEST(ReadExr, NoticesAMissingEndWhateverRowsAreRead) {
+    const TempFolder folder;
+    for (const bool tiled : {false, true}) {
+        Recipe recipe;
+        recipe.data = recipe.display = {{0, 0}, {11, 99}};
+        recipe.tiled = tiled;
+        const std::string file = folder / "x.exr";
+        write(file, recipe);
+        const std::string whole = test::read_bytes(file);
+        ReadOptions first_rows;
+        first_rows.rows = std::pair(0, 4);
+        EXPECT_EQ(message_of([&] { read_photo(file, first_rows); }), "no error");
+        for (const std::size_t lost : {std::size_t{1}, whole.size() / 10, whole.size() / 3}) {
+            test::write_bytes(file, whole.substr(0, whole.size() - lost));
+            EXPECT_NE(message_of([&] { read_photo(file, first_rows); }).find("truncated"),
+                      std::string::npos)
+                << tiled << " " << lost;
+        }
+    }
+}
+
 }  // namespace
 }  // namespace chromeball

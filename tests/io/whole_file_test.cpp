@@ -1,12 +1,17 @@
 #include "io/whole_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <fstream>
+#include <thread>
 
 #include "io/files.h"
 #include "io/read.h"
@@ -172,6 +177,41 @@ TEST(WriteFile, WritesText) {
     write_file(folder / "a.json", "[]\n");
     EXPECT_EQ(test::read_bytes(folder / "a.json"), "[]\n");
     EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, UsesTheLeftoverOfAKilledRunAgain) {
+    const TempFolder folder;
+    const std::string file = folder / "x.txt", part = folder / ".x.txt.part";
+    std::ofstream(part) << "much longer than what is written now";
+    write_file(file, "whole");
+    EXPECT_EQ(test::read_bytes(file), "whole");
+    EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, LeavesTheFileOfALiveWriterAlone) {
+    const TempFolder folder;
+    const std::string file = folder / "x.txt", part = folder / ".x.txt.part";
+    const int live = ::open(part.c_str(), O_WRONLY | O_CREAT, 0666);
+    ASSERT_EQ(::flock(live, LOCK_EX), 0);
+    ASSERT_EQ(::write(live, "half", 4), 4);
+    remove_leftover(file);
+    EXPECT_EQ(test::read_bytes(part), "half");
+    std::jthread other([&] { write_file(file, "second"); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    EXPECT_EQ(test::read_bytes(part), "half");  // it waits
+    ASSERT_EQ(::rename(part.c_str(), file.c_str()), 0);
+    ::close(live);
+    other.join();
+    EXPECT_EQ(test::read_bytes(file), "second");
+    EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(WholeFile, LeftoversAreRemovedWhereNoOneWrites) {
+    const TempFolder folder;
+    std::ofstream(folder / ".x.txt.part") << "half";
+    remove_leftover(folder / "x.txt");
+    remove_leftover(folder / "y.txt");
+    EXPECT_EQ(files_in(folder), 0u);
 }
 
 }  // namespace
