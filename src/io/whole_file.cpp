@@ -73,8 +73,13 @@ int open_alone(const std::string& name) {
         // A leftover may also be a link, or of another owner.
         int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
         if (file < 0 && (errno == ELOOP || errno == EACCES || errno == EISDIR)) {
-            if (::unlink(name.c_str()) != 0) return -1;
-            continue;
+            const int reason = errno;
+            if (::unlink(name.c_str()) == 0) {
+                ++waited;
+                continue;
+            }
+            errno = reason;
+            return -1;
         }
         if (file < 0) return -1;
         if (::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
