@@ -152,6 +152,7 @@ void run_convert(const ConvertOptions& o) {
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);
     check_map_options(o.map, plan, colors);
+    use_instructions(o.map);
     check_input(o);
     check_output(plan, o.input);
     Input input =

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 
+#include "core/error.h"
 #include "numbers.h"
+#include "options.h"
+#include "resample/simd.h"
 #include "version.h"
 
 namespace chromeball {
@@ -105,6 +108,12 @@ void add_map_options(CLI::App& command, MapOptions& o) {
         ->capture_default_str()
         ->group(out);
     command
+        .add_option("--simd", o.simd,
+                    "Instructions of the resampler, AVX3, AVX2, SSE4 or SCALAR: the same ones give "
+                    "the same bytes everywhere (default: the best of the processor)")
+        ->type_name("TARGET")
+        ->group(out);
+    command
         .add_option("--output-space", o.output_space,
                     "Colour space (default: scene_linear for EXR, HDR and float TIFF; "
                     "srgb_texture for pictures)")
@@ -151,6 +160,12 @@ void check_map_options(const MapOptions& o, const OutputPlan& plan, const ColorC
     if (!o.reflectance) return;
     Image nothing({1, 1}, 3);
     undo_reflectance(nothing, *o.reflectance);
+}
+
+void use_instructions(const MapOptions& o) {
+    if (use_simd_target(o.simd.value_or(""))) return;
+    throw Error(Error::Kind::usage, fmt::format("--simd {}: this processor runs {}", *o.simd,
+                                                comma_list(simd_targets())));
 }
 
 std::optional<Rotation> told_rotation(const MapOptions& o) {

@@ -25,6 +25,7 @@ struct MapOptions {
     std::optional<std::string> view;
     std::optional<int> size;
     std::string filter = "adaptive";
+    std::optional<std::string> simd;  ///< instructions of the resampler; none: the best there are
     std::optional<std::string> camera_to_world;
     double yaw = 0, pitch = 0, roll = 0;
     std::optional<std::string> reflectance;
@@ -35,6 +36,9 @@ void add_map_options(CLI::App& command, MapOptions& options);
 /// What was typed wrong, before anything is read. Throws Error (usage).
 void check_map_options(const MapOptions& options, const OutputPlan& plan,
                        const ColorConfig& colors);
+
+/// --simd, for the whole process. Throws Error (usage) for instructions that this processor lacks.
+void use_instructions(const MapOptions& options);
 
 /// --camera-to-world; nothing where it is not given. Throws Error (usage) where it is no rotation.
 std::optional<Rotation> told_rotation(const MapOptions& options);

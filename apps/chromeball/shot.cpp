@@ -58,6 +58,7 @@ void run_shot(const ShotOptions& o) {
     const auto start = std::chrono::steady_clock::now();
     // Frames are what runs side by side; within one a single thread works, unless told otherwise.
     const ThreadLimit limit(std::max(1, o.common.threads));
+    use_instructions(o.map);
     const std::unique_ptr<Shot> shot = plan_shot(o);
     if (o.farm.wanted()) {
         submit_shot(*shot);

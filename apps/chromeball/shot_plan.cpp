@@ -170,11 +170,11 @@ std::string map_words(const ShotOptions& o, const OutputPlan& plan) {
     const MapOptions& m = o.map;
     return fmt::format(
         "map {} {}\nfile {} {} {}\nspaces {} {} {} {} {}\naxes {} {} {} {} {}\nmirror {}\n"
-        "filter {}\nframes {}\nsize {}\n",
+        "filter {} {}\nframes {}\nsize {}\n",
         plan.layout->name, plan.preset ? plan.preset->name : "-", extension_of(plan.format),
         m.output.full_float, m.output.bits.value_or(16), told(o.color.input_space), ocio_text(o),
         told(m.output_space), told(m.display), told(m.view), told(m.camera_to_world), m.yaw,
-        m.pitch, m.roll, o.photo.camera_axes, told(m.reflectance), m.filter, o.smooth_frames,
+        m.pitch, m.roll, o.photo.camera_axes, told(m.reflectance), m.filter, told(m.simd), o.smooth_frames,
         told(m.size));
 }
 

@@ -60,6 +60,12 @@ TEST_F(Options, AValueMayFollowASpaceOrAnEqualsSignAlsoNegativeOnes) {
                  photo({"--ellipse=-1,40,36,36,0"})});
 }
 
+TEST_F(Options, InstructionsArePinned) {
+    expect_same({map({"--simd", "SCALAR", "--float"}),
+                 map({"--simd", "SCALAR", "--float", "--threads", "1"})});
+    expect_same({map({"--float"}), map({"--float", "--threads", "1"})});
+}
+
 TEST_F(Options, SettingsStandInAFileBareOrInTheCommandsSection) {
     write_bytes(folder / "bare.toml", "yaw = -90\nfilter = \"fast\"\nfloat = true\n");
     write_bytes(folder / "section.toml",
@@ -185,6 +191,7 @@ TEST_F(Options, UnknownNamesAreAnsweredWithTheNearestOnes) {
         {map({"-o", "o.exr", "--for", "blendr"}), {"blendr", "\"blender\""}},
         {map({"-o", "o.exr", "--for", "maya"}), {"maya", "\"usd\"", "\"arnold\""}},
         {map({"-o", "o.exr", "--filter", "lanczos"}), {"lanczos", "adaptive", "fast"}},
+        {map({"-o", "o.exr", "--simd", "MMX"}), {"MMX", "SCALAR"}},
         {map({"-o", "o", "--layout", "faces", "--format", "bmp"}), {"bmp", "png"}},
         {{"convert", "world.exr", "--from", "lat", "-o", "o.exr"}, {"lat", "\"latlong\"?"}},
         {{"info", "world.exr", "--from", "cros-h"}, {"cros-h", "\"cross-h\""}},
