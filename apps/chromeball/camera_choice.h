@@ -18,7 +18,7 @@ struct CameraChoice {
         distance;      ///< --distance-radii: the focal length follows from the outline
     std::string note;  ///< what the user should know of it; may be empty
     std::optional<double> deviation;  ///< of a focal length that was estimated, pixels
-    bool told = true;  ///< false: neither flags nor the file knew, so orthographic
+    bool told = true;                 ///< false: neither flags nor the file knew, so orthographic
 };
 
 /// Flags win over what the file says. Throws Error (usage) when flags contradict each other.

@@ -69,7 +69,8 @@ bool is_standard(std::string_view name) {
 
 /// POSIX: files and folders in io, the terminal and signals in apps.
 bool is_system(std::string_view name) {
-    static const Names files = {"dlfcn.h", "fcntl.h", "unistd.h", "signal.h", "termios.h", "spawn.h"};
+    static const Names files = {"dlfcn.h",  "fcntl.h",   "unistd.h",
+                                "signal.h", "termios.h", "spawn.h"};
     return name.starts_with("sys/") || files.contains(name);
 }
 
