@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <opencv2/core.hpp>
 #include <span>
@@ -153,16 +154,47 @@ struct Batch {
     std::array<std::array<float, kBatch>, kSamples> samples{};
 };
 
+using Squares = std::array<float, kBatch>;
+/// One value of each profile of a batch: GCC's and Clang's vectors, on any processor.
+using Lanes [[gnu::vector_size(kBatch * sizeof(float))]] = float;
+
+/// The squared length of each whitened profile. A third of the search's time goes here, so there
+/// is a copy for each width of registers; the lanes do not meet, and products are not contracted
+/// (see CMakeLists.txt), so all give the same bits.
+[[gnu::always_inline]] inline Squares whitened(const Batch& batch, const Density& density) {
+    Lanes samples[kSamples];
+    std::memcpy(samples, batch.samples.data(), sizeof samples);
+    Lanes squares{};
+    for (std::size_t i = 0; i < kSamples; ++i) {
+        Lanes sum{};
+        const float* row = density.whiten.data() + i * kSamples;
+        for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
+        squares += sum * sum;
+    }
+    Squares result;
+    std::memcpy(result.data(), &squares, sizeof squares);
+    return result;
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+[[gnu::target("avx2")]] Squares whitened_by_8(const Batch& batch, const Density& density) {
+    return whitened(batch, density);
+}
+[[gnu::target("avx512f")]] Squares whitened_by_16(const Batch& batch, const Density& density) {
+    return whitened(batch, density);
+}
+Squares squares_of(const Batch& batch, const Density& density) {
+    if (__builtin_cpu_supports("avx512f")) return whitened_by_16(batch, density);
+    if (__builtin_cpu_supports("avx2")) return whitened_by_8(batch, density);
+    return whitened(batch, density);
+}
+#else
+Squares squares_of(const Batch& batch, const Density& density) { return whitened(batch, density); }
+#endif
+
 /// -2 log likelihood of each profile, its scale left free.
 std::array<double, kBatch> cost_of(const Batch& batch, const Density& density) {
-    std::array<float, kBatch> squares{};
-    for (std::size_t i = 0; i < kSamples; ++i) {
-        std::array<float, kBatch> sum{};
-        const float* row = density.whiten.data() + i * kSamples;
-        for (std::size_t k = 0; k <= i; ++k)
-            for (std::size_t r = 0; r < kBatch; ++r) sum[r] += row[k] * batch.samples[k][r];
-        for (std::size_t r = 0; r < kBatch; ++r) squares[r] += sum[r] * sum[r];
-    }
+    const Squares squares = squares_of(batch, density);
     std::array<double, kBatch> cost{};
     for (std::size_t r = 0; r < kBatch; ++r)
         cost[r] = kSamples * std::log(static_cast<double>(squares[r]) / kSamples + 1e-30) +
