@@ -100,6 +100,7 @@ private:
             there.y;
         DetectOptions search = search_;
         search.near.reset();
+        search.expected = true;
         search.radius_range = {kLeast * key.a, kMost * key.a};
         for (const Candidate& ball : find_balls(part_of(rows, there), search, watch_))
             if (well_inside(ball.outline, window, picture_)) return sighting_of(ball, false);

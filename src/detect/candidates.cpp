@@ -130,23 +130,32 @@ void keep_best(std::vector<Seed>& seeds, std::size_t most) {
 
 }  // namespace
 
-std::vector<Seed> find_seeds(const std::vector<Level>& levels, const Watch& watch) {
+std::vector<Seed> find_seeds(const std::vector<Level>& levels,
+                             const std::optional<std::array<double, 2>>& radii,
+                             const Watch& watch) {
+    const auto wanted = [&](double radius) {
+        return !radii || (radius > (*radii)[0] / kRadiusStep && radius < (*radii)[1] * kRadiusStep);
+    };
     std::vector<Seed> all;
     bool finest = true;
     for (const Level& level : levels) {
         const int longest = std::max(level.grey.size.width, level.grey.size.height);
         if (longest > kLongestSearched && &level != &levels.back()) continue;
         watch.check();
-        const auto edges = edges_of(level);
         const double largest = std::min(finest ? kFinestLargest : kLargestRadius, 0.9 * longest);
+        std::vector<double> sizes;
+        for (double r = finest ? kSmallestRadius : kOtherSmallest; r < largest; r *= kRadiusStep)
+            if (wanted(r * level.scale())) sizes.push_back(r);
+        finest = false;
+        if (sizes.empty()) continue;
+        const auto edges = edges_of(level);
         std::vector<Seed> seeds;
-        for (double r = finest ? kSmallestRadius : kOtherSmallest; r < largest; r *= kRadiusStep) {
+        for (const double r : sizes) {
             Ballot ballot(level.grey.size, r);
             ballot.count(edges);
             const auto found = ballot.peaks();
             seeds.insert(seeds.end(), found.begin(), found.end());
         }
-        finest = false;
         keep_best(seeds, kSeedsALevel);
         for (Seed& seed : seeds)
             all.push_back({seed.x * level.scale_x, seed.y * level.scale_y,

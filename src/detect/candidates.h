@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "core/watch.h"
@@ -17,7 +19,8 @@ struct Seed {
 
 /// Circles that may be there, best first, at all scales from 6.5 pixels of the finest level
 /// searched (about 1200 pixels wide) to more than half of the picture; centres may lie outside the
-/// picture.
-std::vector<Seed> find_seeds(const std::vector<Level>& levels, const Watch& watch);
+/// picture. With `radii`, only those, pixels of the photo.
+std::vector<Seed> find_seeds(const std::vector<Level>& levels,
+                             const std::optional<std::array<double, 2>>& radii, const Watch& watch);
 
 }  // namespace chromeball::detecting

@@ -20,6 +20,8 @@ using namespace detecting;
 constexpr int kFinestLevel = 1200;  // long side of the finest level
 constexpr std::size_t kMostCandidates = 8;
 constexpr std::size_t kMostFollowed = 28;
+constexpr std::size_t kMostCandidatesExpected = 3;  // the same where a ball is expected
+constexpr std::size_t kMostFollowedExpected = 8;
 constexpr double kWorthTelling = 0.05;  // candidates below it are only clutter, but for the best
 constexpr double kWorthSettling = 0.15;
 constexpr double kSure = 0.9;
@@ -382,22 +384,24 @@ void tell(const Watch& watch, double part) {
 std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
                              const DetectOptions& options, const Watch& watch) {
     const Size size = picture.grey.pixels.size;
+    const std::size_t followed = options.expected ? kMostFollowedExpected : kMostFollowed;
+    const std::size_t kept = options.expected ? kMostCandidatesExpected : kMostCandidates;
     std::vector<Draft> drafts;
-    for (const Seed& seed : find_seeds(picture.levels, watch)) {
+    for (const Seed& seed : find_seeds(picture.levels, options.radius_range, watch)) {
         Draft draft;
         draft.outline = {seed.x, seed.y, seed.radius, seed.radius, 0};
         if (!wanted(draft.outline, photo, options, 0.25)) continue;
         follow(draft, picture, kPasses[0]);
         drafts.push_back(draft);
     }
-    thin_out(drafts, 0.03, kMostFollowed, size);
+    thin_out(drafts, 0.03, followed, size);
     watch.check();
     tell(watch, 0.4);
     for (Draft& draft : drafts) follow(draft, picture, kPasses[1]);
-    thin_out(drafts, 0.015, kMostFollowed, size);
+    thin_out(drafts, 0.015, followed, size);
     for (Draft& draft : drafts) judge(draft, picture);
     sort_by_score(drafts);
-    if (drafts.size() > kMostCandidates) drafts.resize(kMostCandidates);
+    if (drafts.size() > kept) drafts.resize(kept);
     // What shows nothing of a mirror ball is not worth the finer passes; two always get them.
     while (drafts.size() > 2 && drafts.back().score < kHopeless) drafts.pop_back();
     for (std::size_t i = 0; i < drafts.size(); ++i) {
@@ -407,7 +411,7 @@ std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
         if (i < kMostEscaping) escape(draft, picture);
         follow(draft, picture, kPasses[2]);
     }
-    thin_out(drafts, 0.015, kMostCandidates, size);
+    thin_out(drafts, 0.015, kept, size);
     for (Draft& draft : drafts) judge(draft, picture);
     // Seeking costs as much as all else: not where a ball that stood still is sure.
     if (std::none_of(drafts.begin(), drafts.end(), [](const Draft& d) { return d.score > kSure; }))

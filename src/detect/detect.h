@@ -20,6 +20,9 @@ struct DetectOptions {
     std::optional<V2d> near = std::nullopt;
     /// Least and greatest radius of the ball wanted, pixels; others are left out.
     std::optional<std::array<double, 2>> radius_range = std::nullopt;
+    /// The photo is a window around a place where the ball is expected, as a frame before showed
+    /// it: the few best candidates are enough, at a third of the time.
+    bool expected = false;
 };
 
 /// Standard deviations of an outline's numbers, of one with the others unknown.
