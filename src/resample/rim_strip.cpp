@@ -1,6 +1,7 @@
 #include "resample/rim_strip.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -20,6 +21,8 @@ constexpr double kWidth = 3.5;  // pixels of depth that the strip covers, in a b
 // A row's depth may have its nearest usable pixels a whole pixel away, where the rim runs along
 // rows.
 constexpr double kDepthReach = 1.1;
+constexpr std::size_t kMostRowsReached =
+    static_cast<std::size_t>(2 * kDepthReach * kRowsPerPixel) + 2;
 constexpr double kAlongReach = 4.0 / 3;  // sigmas: nearly a box, whose ends stay within 4 pixels
 
 /// How far along the rim pixels count as one: 0.7 degrees around the ball, at most 3 pixels.
@@ -146,15 +149,19 @@ void RimStrip::splat(const RingPixel& from, double along_sigma, int from_column,
     const double turn = from.place.turn, reach = kAlongReach * along_sigma;
     const int first = static_cast<int>(std::ceil(turn - reach)),
               last = static_cast<int>(std::floor(turn + reach));
+    std::array<double, kMostRowsReached> down;
+    GaussianSteps deeper((first_row - row) / (kDepthSigma * kRowsPerPixel),
+                         1 / (kDepthSigma * kRowsPerPixel));
+    for (int j = first_row; j <= last_row; ++j)
+        down[static_cast<std::size_t>(j - first_row)] = deeper.next();
+    GaussianSteps along((first - turn) / along_sigma, 1 / along_sigma);
     for (int i = first; i <= last; ++i) {
+        const double weight = along.next();
         const int column = wrapped(i, columns());
         if (column < from_column || column > to_column) continue;
-        const double aside = (i - turn) / along_sigma;
-        const double weight = std::exp(-0.5 * aside * aside);
-        GaussianSteps down((first_row - row) / (kDepthSigma * kRowsPerPixel),
-                           1 / (kDepthSigma * kRowsPerPixel));
         for (int j = first_row; j <= last_row; ++j) {
-            const auto w = static_cast<float>(weight * down.next());
+            const auto w =
+                static_cast<float>(weight * down[static_cast<std::size_t>(j - first_row)]);
             float* to = strip_.pixel(column, j);
             for (int c = 0; c < 4; ++c) to[c] += w * from.pixel[c];
         }
