@@ -2,10 +2,9 @@
 
 #include <cassert>
 #include <cstddef>
-#include <cstdlib>
-#include <new>
-#include <utility>
 #include <vector>
+
+#include "core/memory.h"
 
 namespace chromeball {
 
@@ -48,30 +47,6 @@ struct ImageView {
         return row(y) + static_cast<std::ptrdiff_t>(x) * channels;
     }
     operator ImageView<const T>() const { return {data, size, channels, stride}; }
-};
-
-/// Memory that comes zeroed. Large pieces are the system's own fresh pages, which nothing writes to
-/// before they are used, and then on the thread that uses them.
-template <class T>
-struct ZeroedAllocator {
-    using value_type = T;
-    ZeroedAllocator() = default;
-    template <class U>
-    ZeroedAllocator(const ZeroedAllocator<U>&) {}
-    T* allocate(std::size_t count) {
-        void* memory = std::calloc(count, sizeof(T));
-        if (!memory) throw std::bad_alloc();
-        return static_cast<T*>(memory);
-    }
-    void deallocate(T* memory, std::size_t) { std::free(memory); }
-    /// Without a value: zero already, since no vector here is ever made smaller and larger again.
-    template <class U>
-    void construct(U*) {}
-    template <class U, class... Args>
-    void construct(U* at, Args&&... args) {
-        ::new (static_cast<void*>(at)) U(std::forward<Args>(args)...);
-    }
-    bool operator==(const ZeroedAllocator&) const { return true; }
 };
 
 /// Owned float pixels, interleaved, scene-linear; with four channels the fourth is alpha, and

@@ -7,9 +7,13 @@
 #include <vector>
 
 #include "core/image.h"
+#include "core/memory.h"
 #include "core/metadata.h"
 
 namespace chromeball {
+
+/// Stored pixels, of any type.
+using PixelBytes = std::vector<std::byte, ZeroedAllocator<std::byte>>;
 
 /// How a photo's numbers are stored: integers over their full range, or floats.
 enum class PixelType { u8, u16, f16, f32 };
@@ -36,11 +40,11 @@ struct ColorTag {
 struct Photo {
     std::string name;  ///< the path as given, for messages
     PixelType type = PixelType::u8;
-    int channels = 0;  ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
-    Window window;     ///< where the pixels lie in the display window (EXR data window; rows read)
-    Size display;      ///< the display window's size; coordinates are relative to its corner
-    std::vector<std::byte> pixels;  ///< interleaved, rows from top to bottom, without padding
-    bool associated_alpha = true;   ///< whether colour is already multiplied by alpha
+    int channels = 0;   ///< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha
+    Window window;      ///< where the pixels lie in the display window (EXR data window; rows read)
+    Size display;       ///< the display window's size; coordinates are relative to its corner
+    PixelBytes pixels;  ///< interleaved, rows from top to bottom, without padding
+    bool associated_alpha = true;  ///< whether colour is already multiplied by alpha
     ColorTag color;
     Metadata metadata;
 };

@@ -222,7 +222,7 @@ int rows_together(const ImageSpec& spec) {
 
 /// The stored rows first to last, all channels, into memory of its own size.
 bool read_rows(ImageInput& input, const ImageSpec& spec, int first, int last, TypeDesc type,
-               std::vector<std::byte>& out, std::size_t row_bytes) {
+               PixelBytes& out, std::size_t row_bytes) {
     // Whole tiles or strips, of which the wanted rows are then cut out.
     const int together = rows_together(spec);
     const int top = first / together * together;
@@ -243,7 +243,7 @@ bool read_rows(ImageInput& input, const ImageSpec& spec, int first, int last, Ty
 }
 
 /// Keeps the chosen ones of `stored` interleaved channels, in place.
-void keep_channels(std::vector<std::byte>& pixels, const std::vector<int>& chosen, int stored,
+void keep_channels(PixelBytes& pixels, const std::vector<int>& chosen, int stored,
                    std::size_t value) {
     const std::size_t from = value * static_cast<std::size_t>(stored);
     const std::size_t to = value * chosen.size();

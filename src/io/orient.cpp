@@ -50,7 +50,7 @@ void make_upright(Photo& photo, int orientation) {
     const Size to = photo.window.size;
     const std::size_t pixel =
         bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
-    std::vector<std::byte> upright(photo.pixels.size());
+    PixelBytes upright(photo.pixels.size());
     for (int y = 0; y < to.height; ++y) {
         const int v = turn.mirror_y ? to.height - 1 - y : y;
         std::byte* out = upright.data() + Size{to.width, y}.pixels() * pixel;

@@ -163,7 +163,7 @@ bool read_rows(Reader& reader, int first, int last, std::size_t row_bytes, std::
 
 /// The same where rows come in several passes over the whole picture.
 bool read_interlaced(Reader& reader, int height, int first, int last, std::size_t row_bytes,
-                     std::vector<std::byte>& out) {
+                     PixelBytes& out) {
     std::vector<std::byte> whole(static_cast<std::size_t>(height) * row_bytes);
     std::vector<png_bytep> rows;
     for (int y = 0; y < height; ++y)

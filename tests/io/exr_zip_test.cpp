@@ -52,11 +52,11 @@ void write(const std::string& file, const Case& c) {
 }
 
 /// R, G, B interleaved, as OpenEXR reads them.
-std::vector<std::byte> read_by_library(const std::string& file, const Case& c) {
+PixelBytes read_by_library(const std::string& file, const Case& c) {
     Imf::InputFile in(file.c_str());
     const std::size_t value = c.color == Imf::HALF ? 2 : 4;
     const Size size{c.data.max.x - c.data.min.x + 1, c.data.max.y - c.data.min.y + 1};
-    std::vector<std::byte> pixels(size.pixels() * 3 * value);
+    PixelBytes pixels(size.pixels() * 3 * value);
     Imf::FrameBuffer buffer;
     for (std::size_t i = 0; i < 3; ++i)
         buffer.insert(std::string(1, "RGB"[i]),

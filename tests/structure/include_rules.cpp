@@ -67,7 +67,7 @@ bool is_standard(std::string_view name) {
     return name.find('.') == std::string_view::npos && name.find('/') == std::string_view::npos;
 }
 
-/// POSIX: files and folders in io, the terminal and signals in apps.
+/// POSIX: files and folders in io, the terminal and signals in apps; core asks for pages.
 bool is_system(std::string_view name) {
     static const Names files = {"dlfcn.h",  "fcntl.h",   "unistd.h",
                                 "signal.h", "termios.h", "spawn.h"};
@@ -82,6 +82,7 @@ std::string folder_of(std::string_view path) {
 
 std::string refused_header(const std::string& folder, std::string_view name) {
     if (is_standard(name)) return "";
+    if (folder == "core" && name == "sys/mman.h") return "";
     if (is_system(name))
         return folder == "io" || folder == "apps" ? "" : "system headers are for io and apps";
     for (const Door& door : kDoors)
