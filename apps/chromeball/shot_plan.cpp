@@ -91,10 +91,11 @@ FramePattern output_pattern(const ShotOptions& o) {
 }
 
 void check_folder(const Shot& shot) {
-    // Of folders with a number in their names the one above all must be there.
+    // Of folders with a number in their names the one above all.
     const std::string folder = shot.output->folder();
-    const std::string probe = (fs::path(folder) / "x").string();
-    check_target(probe);
+    if (!folder.empty()) make_folder(folder);
+    const std::string name = fs::path(shot.output->text()).filename().string();
+    check_target((fs::path(folder) / name).string());
 }
 
 void check_inputs_are_safe(const Shot& shot) {

@@ -174,6 +174,13 @@ TrackRecord tracked(const Shot& shot, int frame, const std::optional<Outline>& k
     return record;
 }
 
+/// Whether a record is of this search and of the plate as it is now. Which of two files holds the
+/// newer record their names do not tell, so each is asked before it takes the other's place.
+bool is_current(const Shot& shot, const TrackRecord& record) {
+    return record.settings == shot.track_settings &&
+           record.plate == shot.plates->stamp(record.frame);
+}
+
 /// The records of a run, as they grow: in memory and in the run's file.
 class Track {
 public:
@@ -181,11 +188,7 @@ public:
         if (shot.options.overwrite) return;
         for_each_line(shot.stage_text("track"), [&](std::string_view line) {
             auto record = track_record_from(line);
-            if (record && record->settings == shot_.track_settings)
-                records_[record->frame] = std::move(*record);
-        });
-        std::erase_if(records_, [&](const auto& one) {
-            return one.second.plate != shot_.plates->stamp(one.first);
+            if (record && is_current(shot_, *record)) records_[record->frame] = std::move(*record);
         });
     }
 
@@ -249,13 +252,12 @@ std::vector<TrackRecord> track_records(const Shot& shot) {
     std::map<int, TrackRecord> known;
     for_each_line(shot.stage_text("track"), [&](std::string_view line) {
         auto record = track_record_from(line);
-        if (record && record->settings == shot.track_settings)
-            known[record->frame] = std::move(*record);
+        if (record && is_current(shot, *record)) known[record->frame] = std::move(*record);
     });
     std::vector<TrackRecord> records;
     for (const int frame : shot.frames) {
         const auto record = known.find(frame);
-        if (record != known.end() && record->second.plate == shot.plates->stamp(frame)) {
+        if (record != known.end()) {
             records.push_back(record->second);
             continue;
         }

@@ -403,7 +403,7 @@ TEST(Shot, RefusesWhatIsTypedWrongBeforeItDoesAnything) {
         {{{"shot", "plate.1005.exr", "-o", "out/p.####.exr"}, {"plate.####.exr"}},
          {{"shot", "plate.####.exr", "-o", "out/p.exr"}, {"a place for the frame's number"}},
          {{"shot", "none.####.exr", "-o", "out/p.####.exr"}, {"no such files"}, 1},
-         {{"shot", "plate.####.exr", "-o", "nowhere/p.####.exr"}, {"there is no folder"}, 1},
+         {{"shot", "plate.####.exr", "-o", "nowhere/deep/p.####.exr"}, {"nowhere/deep"}, 1},
          {{"shot", "plate.####.exr", "-o", "plate.####.exr"}, {"would replace the input"}},
          {shot("out", {"--frames", "5-x"}), {"--frames 5-x"}},
          {shot("out", {"--key", key}), {"FRAME:CX,CY,R"}},
