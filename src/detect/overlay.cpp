@@ -1,9 +1,11 @@
+#include <Imath/half.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/luminance.h"
 #include "detect/detect.h"
 #include "detect/grey.h"
 
@@ -23,8 +25,25 @@ std::uint8_t srgb(float light) {
     return static_cast<std::uint8_t>(std::lround(255 * code));
 }
 
+/// A pixel's colour with a luminance of 1; white where it tells none.
+V3d tint_of(const Photo& photo, std::size_t pixel) {
+    const auto channels = static_cast<std::size_t>(photo.channels);
+    if (channels < 3) return V3d(1);
+    float color[3];
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t at = pixel * channels + c;
+        if (photo.type == PixelType::f16)
+            color[c] = static_cast<float>(reinterpret_cast<const half*>(photo.pixels.data())[at]);
+        else
+            color[c] = reinterpret_cast<const float*>(photo.pixels.data())[at];
+        if (!(color[c] >= 0 && color[c] < 1e30F)) return V3d(1);
+    }
+    const double light = luminance(color);
+    return light > 1e-30 ? V3d(Imath::V3f(color[0], color[1], color[2])) / light : V3d(1);
+}
+
 /// Codes of integers as they are; floats by the curve of the picture that detection looked at,
-/// grey, because that is the picture in which the outline can be judged.
+/// because in that the outline can be judged, in their own colours.
 Photo canvas_of(const Photo& photo) {
     Photo out;
     out.name = photo.name;
@@ -52,7 +71,9 @@ Photo canvas_of(const Photo& photo) {
     const Grey grey = detecting::grey_of(photo);
     for (std::size_t i = 0; i < count; ++i) {
         const float part = static_cast<float>(grey.pixels.values[i]) / 65535.f;
-        std::fill_n(to + 3 * i, 3, srgb(part * part));
+        const V3d color = tint_of(photo, i) * static_cast<double>(part * part);
+        for (int c = 0; c < 3; ++c)
+            to[3 * i + static_cast<std::size_t>(c)] = srgb(static_cast<float>(color[c]));
     }
     return out;
 }

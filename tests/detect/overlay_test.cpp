@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "detect/detect.h"
 #include "detect/painted.h"
 
@@ -36,6 +38,22 @@ TEST(Overlay, TheOutlineIsDrawnWhereItIsAndTheRestIsThePhoto) {
     EXPECT_EQ(change(out, 147, 60, 0x3c), 0);
     EXPECT_EQ(change(out, 5, 5, 0x3c), 0);
     EXPECT_GT(change(out, 100, 60, 0x3c), 100) << "the centre";
+}
+
+TEST(Overlay, FloatsKeepTheirColoursAndOddOnesDoNoHarm) {
+    const Size size{80, 60};
+    std::vector<float> light;
+    for (std::size_t i = 0; i < size.pixels(); ++i)
+        light.insert(light.end(), {0.6F, 0.2F, 0.1F + 0.001F * static_cast<float>(i % 80)});
+    light[0] = std::numeric_limits<float>::quiet_NaN();
+    light[3] = -1;
+    const Photo out = overlay(painted::float_photo(light, size), {}, 0.5);
+    const std::size_t at = 3 * (30 * 80 + 20);
+    const auto code = [&](std::size_t i) { return std::to_integer<int>(out.pixels[i]); };
+    EXPECT_GT(code(at), code(at + 1) + 20);
+    EXPECT_GT(code(at + 1), code(at + 2) + 5);
+    EXPECT_EQ(code(0), code(1));
+    EXPECT_EQ(code(3), code(4));
 }
 
 TEST(Overlay, CoordinatesAreThoseOfTheDisplayWindow) {
