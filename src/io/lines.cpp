@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -46,6 +47,10 @@ bool ends_torn(int file) {
 void append_line(const std::string& path, std::string_view line) {
     const Descriptor file(path);
     if (file.number() < 0) throw append_failure(path, errno);
+    // Half of another's line looks torn: one at a time. Where a file system has no locks each line
+    // is still one write, and an empty line too many does no harm.
+    while (::flock(file.number(), LOCK_EX) != 0 && errno == EINTR) {
+    }
     std::string text(ends_torn(file.number()) ? "\n" : "");
     text += line;
     if (!line.ends_with('\n')) text += '\n';
