@@ -196,16 +196,33 @@ io::Values values_of(ImageView<const float> image, const WriteOptions& options) 
     return values;
 }
 
-/// The whole file in memory.
-io::Bytes encoded(const std::string& path, const io::Values& values, const WriteOptions& options,
+/// The whole file in memory. `name` is for messages.
+io::Bytes encoded(const std::string& name, const io::Values& values, const WriteOptions& options,
                   WriteReport& report) {
     switch (options.format) {
         case FileFormat::exr:
-            return io::encode_exr(path, values, options, report);
+            return io::encode_exr(name, values, options, report);
         case FileFormat::png:
             return io::encode_png(values, options, report);
         default:
-            return io::encode_with_oiio(path, values, options, report);
+            return io::encode_with_oiio(name, values, options, report);
+    }
+}
+
+/// Hands an image's file in memory to `use`; what goes wrong on the way is an Error that names it.
+template <class Use>
+void encode(const std::string& name, ImageView<const float> image, const WriteOptions& options,
+            WriteReport& report, const Use& use) {
+    if (image.size.width <= 0 || image.size.height <= 0)
+        throw io::failure(name, "there are no pixels to write");
+    try {
+        use(encoded(name, values_of(image, options), options, report));
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw io::failure(name, "not enough memory to encode it; choose a smaller size");
+    } catch (const std::exception& e) {
+        throw io::failure(name, fmt::format("cannot be encoded: {}; try another format", e.what()));
     }
 }
 
@@ -228,19 +245,18 @@ std::string_view extension_of(FileFormat format) { return row_of(format).name; }
 WriteReport write_image(const std::string& path, ImageView<const float> image,
                         const WriteOptions& options) {
     io::check_target(path);
-    if (image.size.width <= 0 || image.size.height <= 0)
-        throw io::failure(path, "there are no pixels to write");
-    try {
-        WriteReport report;
-        io::write_whole_file(path, encoded(path, values_of(image, options), options, report));
-        return report;
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw io::failure(path, "not enough memory to encode it; choose a smaller size");
-    } catch (const std::exception& e) {
-        throw io::failure(path, fmt::format("cannot be encoded: {}; try another format", e.what()));
-    }
+    WriteReport report;
+    encode(path, image, options, report,
+           [&](const io::Bytes& file) { io::write_whole_file(path, file); });
+    return report;
+}
+
+std::vector<std::byte> encode_image(ImageView<const float> image, const WriteOptions& options) {
+    io::Bytes bytes;
+    WriteReport report;
+    encode(fmt::format("a picture as {}", extension_of(options.format)), image, options, report,
+           [&](io::Bytes&& file) { bytes = std::move(file); });
+    return bytes;
 }
 
 void check_target(const std::string& path) { io::check_target(path); }

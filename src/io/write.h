@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -55,6 +56,11 @@ struct WriteReport {
 /// Error naming the target: a folder, unwritable, disk full.
 WriteReport write_image(const std::string& path, ImageView<const float> image,
                         const WriteOptions& options);
+
+/// The bytes of the file that write_image would write, which none is written of: a picture inside a
+/// page, or one that another program is given. Throws Error where there are no pixels, or not
+/// enough memory.
+std::vector<std::byte> encode_image(ImageView<const float> image, const WriteOptions& options);
 
 /// Writes text or other bytes whole or not at all, as write_image does: overlays, JSON, reports.
 void write_file(const std::string& path, std::string_view content);

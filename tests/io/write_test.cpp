@@ -138,6 +138,14 @@ TEST_P(EveryFormat, HoldsProvenance) {
     EXPECT_EQ(read_photo(file).window.size, (Size{16, 8}));  // the words did not harm the pixels
 }
 
+TEST_P(EveryFormat, IsTheSameInMemory) {
+    const Image image = pattern({16, 9}, 4);
+    write_image(file, image.view(), options());
+    const std::vector<std::byte> bytes = encode_image(image.view(), options());
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    EXPECT_TRUE(text == test::read_bytes(file));
+}
+
 TEST_P(EveryFormat, HoldsNoInfinityAndNoNan) {
     Image image({8, 8}, 3);
     image.pixel(1, 0)[0] = kNan;
@@ -197,6 +205,11 @@ TEST(TheSameWords, GiveTheSameBytesInAnotherSecondAndFolder) {
     const auto second = bytes_of_every_way(other);
     for (std::size_t i = 0; i < first.size(); ++i)
         EXPECT_TRUE(first[i] == second[i]) << kWays[i].name;
+}
+
+TEST(InMemory, NothingIsEncodedOfNoPixels) {
+    EXPECT_NE(message_of([] { encode_image(Image().view(), {}); }).find("no pixels"),
+              std::string::npos);
 }
 
 TEST(Half, ClampsWhatIsBrighterThanItHoldsAndCounts) {
