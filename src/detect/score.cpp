@@ -7,6 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "core/statistics.h"
+
 namespace chromeball::detecting {
 namespace {
 
@@ -58,13 +60,6 @@ Patch patch_of(const Level& level, const Outline& o) {
 struct Cell {
     Moments grey, fine, radial, tangential;
 };
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// The patch sorted into cells of the disk, and sectors outside of it.
 struct Survey {

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "core/statistics.h"
+
 namespace chromeball {
 namespace {
 
@@ -26,12 +28,8 @@ std::vector<double> usual_speeds(const std::vector<Waypoint>& points) {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const std::size_t from = i > kAround ? i - kAround : 0;
         const std::size_t to = std::min(steps.size(), i + kAround);
-        std::vector<double> near(steps.begin() + static_cast<std::ptrdiff_t>(std::min(from, to)),
-                                 steps.begin() + static_cast<std::ptrdiff_t>(to));
-        if (near.empty()) near.push_back(0);
-        const auto middle = near.begin() + static_cast<std::ptrdiff_t>(near.size() / 2);
-        std::nth_element(near.begin(), middle, near.end());
-        usual.push_back(*middle);
+        usual.push_back(median({steps.begin() + static_cast<std::ptrdiff_t>(std::min(from, to)),
+                                steps.begin() + static_cast<std::ptrdiff_t>(to)}));
     }
     return usual;
 }

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/statistics.h"
+
 namespace chromeball {
 namespace {
 
@@ -122,12 +124,6 @@ double best_power(Curve& curve) {
         }
     }
     return 0.5 * (low + high);
-}
-
-double median(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "core/statistics.h"
 #include "shot/segments.h"
 #include "shot/smooth.h"
 
@@ -105,13 +106,6 @@ std::vector<Measurement> measurements_of(const std::vector<TrackRecord>& records
         }
     }
     return all;
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 /// A piece of the path: the measurements on it, and the frames that it spans.

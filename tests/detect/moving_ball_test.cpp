@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "core/statistics.h"
 #include "detect/detect.h"
 #include "detect/random_picture.h"
 #include "detect/shape.h"
@@ -89,12 +90,6 @@ bool right(const Outline& found, const Outline& truth) {
     return std::hypot(found.cx - truth.cx, found.cy - truth.cy) <= part &&
            std::abs(found.a - truth.a) <= 0.02 * truth.a &&
            std::abs(found.b - truth.b) <= 0.02 * truth.b;
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 1e9;
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
 }
 
 struct Tally {
