@@ -192,8 +192,7 @@ void settle_edge(Draft& draft, const Picture& picture) {
         const bool done = rim_deviation(fit.outline, draft.outline) < 0.05;
         draft.outline = fit.outline;
         draft.covariance = fit.covariance;
-        if (!picture.exact.known)
-            draft.focal = focal_of(fit.free, fit.free_covariance, picture.exact);
+        if (fit.free) draft.focal = focal_of(fit.free->shape, fit.free->covariance, picture.exact);
         if (done) return;
         blur = fit.blur;
         step = std::clamp(0.8 * fit.blur, std::max(kFinestStep, 0.7 * step), 1.6 * step);

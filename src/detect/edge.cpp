@@ -468,12 +468,13 @@ EdgeFit fitted(const Raster<T>& picture, const Outline& start, const EdgeSearch&
     const auto arcs =
         arcs_of(voices, base.radius, search.step, static_cast<std::size_t>(search.rays));
     const Settled at = settled(arcs, base, search.step, lens);
-    const Settled free = settled(arcs, base, search.step, lens.forgotten());
     const Vector5 c = at.change;
     fit.outline = outline_of(moved(base, c));
     fit.covariance = array_of(at.covariance);
-    fit.free = moved(base, free.change);
-    fit.free_covariance = array_of(free.covariance);
+    if (!lens.known && lens.slack == 0) {
+        const Settled free = settled(arcs, base, search.step, lens.forgotten());
+        fit.free = FreeShape{moved(base, free.change), array_of(free.covariance)};
+    }
     double clear = 0, evidence = 0;
     for (const Voice& voice : voices) {
         const Vector5 row = row_of(voice.ray, base.radius) * (1 / search.step);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "core/outline.h"
 #include "detect/grey.h"
@@ -18,13 +19,19 @@ struct EdgeSearch {
     double blur = 0;    ///< sigma across the rim if it is known, pixels
 };
 
+/// A shape and how well it is known.
+struct FreeShape {
+    Shape shape;
+    ShapeCovariance covariance;
+};
+
 /// The rim as found.
 struct EdgeFit {
     Outline outline;
     ShapeCovariance covariance{};
-    /// The same found without any hint of the lens: what the rim alone says of its shape.
-    Shape free{};
-    ShapeCovariance free_covariance{};
+    /// The same found without any hint of the lens, where there is but a hint: what the rim alone
+    /// says of its shape.
+    std::optional<FreeShape> free;
     double blur = 0;      ///< sigma across the rim, pixels
     double clear = 0;     ///< part of the rays that show a mirror's rim right there, 0 to 1
     double evidence = 0;  ///< log-likelihood of the rim over none, mean over the rays

@@ -50,10 +50,6 @@ ShapePrior prior_at(const Shape& s, const Lens& lens) {
     const double angle = 2 * std::atan2(dy, dx);
     ShapePrior prior{e * std::cos(angle), e * std::sin(angle), 0, 0,
                      std::cos(angle),     std::sin(angle)};
-    if (lens.ignored) {
-        prior.along = prior.across = 1;  // far more than ellipticities are
-        return prior;
-    }
     // A known camera leaves rounding only. An unknown one may be longer or wider than usual, or the
     // picture cropped.
     prior.along = lens.known ? 1e-5 : 0.002 + 1.2 * e;

@@ -11,15 +11,14 @@ struct Lens {
     double focal = 0;
     double principal_x = 0;
     double principal_y = 0;
-    bool known = false;    ///< else focal is what is usual, and only a soft hint
-    double slack = 0;      ///< ellipticity that may come on top: traces of moving balls are longer
-    bool ignored = false;  ///< the shape is to be found without even that hint
+    bool known = false;  ///< else focal is what is usual, and only a soft hint
+    double slack = 0;    ///< ellipticity that may come on top: traces of moving balls are longer
 
     Lens scaled(double sx, double sy) const {
-        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known, slack, ignored};
+        return {focal * 0.5 * (sx + sy), principal_x * sx, principal_y * sy, known, slack};
     }
-    /// The same with nothing known of it.
-    Lens forgotten() const { return {focal, principal_x, principal_y, false, 0, true}; }
+    /// The same with nothing known of it: a slack far more than ellipticities are.
+    Lens forgotten() const { return {focal, principal_x, principal_y, false, 1}; }
 };
 
 /// An outline in the form that a linear step can change: (e1, e2) is the ellipticity (a-b)/(a+b)
