@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <opencv2/core.hpp>
-#include <span>
+#include <vector>
+
+#include "detect/density.h"
 
 // Where exactly is the rim of a mirror? A step is not what it looks like. Outside lies the
 // background; right inside the mirror shows, at grazing incidence, the same background, and from
@@ -25,10 +26,8 @@
 namespace chromeball::detecting {
 namespace {
 
-constexpr int kSamples = 25;         // of a profile, half to either side of the first outline
 constexpr int kOffsets = 41;         // places tried for the rim,
 constexpr double kOffsetStep = .25;  // samples apart
-constexpr int kHalf = kSamples / 2;
 constexpr int kHalfOffsets = kOffsets / 2;
 
 // Variances below are relative to that of the first sample inside, and were chosen on rendered
@@ -45,31 +44,19 @@ struct Surroundings {
 };
 constexpr Surroundings kSurroundings[] = {
     {1e-4, 1e-5}, {2e-3, 3e-4}, {1e-2, 1e-2}, {0.1, 0.2}, {0.5, 4}};
-/// Correlation of the noise of samples side by side, which share pixels.
-constexpr double kNoiseCorrelation = 0.2;
-
-/// Gaussian density of profiles for one place of the rim: the inverse of the covariance's Cholesky
-/// factor, and half its logarithm.
-struct Density {
-    std::array<float, kSamples * kSamples> whiten;  ///< lower triangle, row by row
-    double log_determinant;
-};
 
 double normal_cdf(double x) { return 0.5 * std::erfc(-x / std::numbers::sqrt2); }
 
-using Square = cv::Matx<double, kSamples, kSamples>;
-using Column = cv::Matx<double, kSamples, 1>;
-
 void add_step(Square& covariance, double at, double blur, double variance) {
-    Column step;
-    for (int k = 0; k < kSamples; ++k) step(k) = normal_cdf((k - kHalf - at) / blur);
-    for (int i = 0; i < kSamples; ++i)
-        for (int j = 0; j <= i; ++j) covariance(i, j) += variance * step(i) * step(j);
+    std::array<double, kSamples> step{};
+    for (int k = 0; k < kSamples; ++k)
+        step[static_cast<std::size_t>(k)] = normal_cdf((k - kHalf - at) / blur);
+    add_square(covariance, step, variance);
 }
 
 /// Covariance of profiles whose rim lies at `rim`, in samples outwards: the part of the ball.
 Square ball_covariance(double rim, double blur) {
-    Square c = Square::zeros();
+    Square c{};
     const double reach = kHalf + 3 * blur + 1;
     add_step(c, rim, blur, kJump);
     // Increments of sqrt(depth), in finer steps where much happens.
@@ -84,39 +71,9 @@ Square ball_covariance(double rim, double blur) {
 
 /// The part of the background, for a walk of variance 1 a sample.
 Square background_covariance(double rim, double blur) {
-    Square c = Square::zeros();
+    Square c{};
     for (double at = rim + 0.25; at < kHalf + 3 * blur + 1; at += 0.5) add_step(c, at, blur, 0.5);
     return c;
-}
-
-Density density_of(Square covariance, double noise) {
-    // Brightness itself is free: a variance far above all others.
-    constexpr double kFree = 300;
-    Square factor = Square::zeros();
-    for (int i = 0; i < kSamples; ++i) {
-        covariance(i, i) += noise;
-        if (i > 0) covariance(i, i - 1) += kNoiseCorrelation * noise;
-        for (int j = 0; j <= i; ++j) {
-            double sum = covariance(i, j) + kFree;
-            for (int k = 0; k < j; ++k) sum -= factor(i, k) * factor(j, k);
-            factor(i, j) = i == j ? std::sqrt(std::max(sum, 1e-12)) : sum / factor(j, j);
-        }
-    }
-    Density density{};
-    Square inverse = Square::zeros();
-    for (int column = 0; column < kSamples; ++column)
-        for (int i = column; i < kSamples; ++i) {
-            double sum = i == column ? 1 : 0;
-            for (int k = column; k < i; ++k) sum -= factor(i, k) * inverse(k, column);
-            inverse(i, column) = sum / factor(i, i);
-        }
-    for (int i = 0; i < kSamples; ++i) {
-        density.log_determinant += 2 * std::log(factor(i, i));
-        for (int j = 0; j < kSamples; ++j)
-            density.whiten[static_cast<std::size_t>(i * kSamples + j)] =
-                static_cast<float>(inverse(i, j));
-    }
-    return density;
 }
 
 /// All densities there are: they depend on nothing but the numbers above.
@@ -131,8 +88,11 @@ struct Bank {
                 const double rim = (o - kHalfOffsets) * kOffsetStep;
                 const Square ball = ball_covariance(rim, blur);
                 const Square back = background_covariance(rim, blur);
-                for (const auto& [background, noise] : kSurroundings)
-                    rims.push_back(density_of(ball + back * background, noise));
+                for (const auto& [background, noise] : kSurroundings) {
+                    Square all = ball;
+                    add(all, back, background);
+                    rims.push_back(density_of(all, noise));
+                }
             }
         const Square all = background_covariance(-kHalf - 2, 1);
         for (const auto& [background, noise] : kSurroundings)
@@ -146,60 +106,6 @@ struct Bank {
 const Bank& bank() {
     static const Bank all;
     return all;
-}
-
-/// Profiles of some rays side by side, sample by sample, so that one pass serves them all.
-constexpr std::size_t kBatch = 16;
-struct Batch {
-    std::array<std::array<float, kBatch>, kSamples> samples{};
-};
-
-using Squares = std::array<float, kBatch>;
-/// One value of each profile of a batch: GCC's and Clang's vectors, on any processor.
-using Lanes [[gnu::vector_size(kBatch * sizeof(float))]] = float;
-
-/// The squared length of each whitened profile. A third of the search's time goes here, so there
-/// is a copy for each width of registers; the lanes do not meet, and products are not contracted
-/// (see CMakeLists.txt), so all give the same bits.
-[[gnu::always_inline]] inline Squares whitened(const Batch& batch, const Density& density) {
-    Lanes samples[kSamples];
-    std::memcpy(samples, batch.samples.data(), sizeof samples);
-    Lanes squares{};
-    for (std::size_t i = 0; i < kSamples; ++i) {
-        Lanes sum{};
-        const float* row = density.whiten.data() + i * kSamples;
-        for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
-        squares += sum * sum;
-    }
-    Squares result;
-    std::memcpy(result.data(), &squares, sizeof squares);
-    return result;
-}
-
-#if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2")]] Squares whitened_by_8(const Batch& batch, const Density& density) {
-    return whitened(batch, density);
-}
-[[gnu::target("avx512f")]] Squares whitened_by_16(const Batch& batch, const Density& density) {
-    return whitened(batch, density);
-}
-Squares squares_of(const Batch& batch, const Density& density) {
-    if (__builtin_cpu_supports("avx512f")) return whitened_by_16(batch, density);
-    if (__builtin_cpu_supports("avx2")) return whitened_by_8(batch, density);
-    return whitened(batch, density);
-}
-#else
-Squares squares_of(const Batch& batch, const Density& density) { return whitened(batch, density); }
-#endif
-
-/// -2 log likelihood of each profile, its scale left free.
-std::array<double, kBatch> cost_of(const Batch& batch, const Density& density) {
-    const Squares squares = squares_of(batch, density);
-    std::array<double, kBatch> cost{};
-    for (std::size_t r = 0; r < kBatch; ++r)
-        cost[r] = kSamples * std::log(static_cast<double>(squares[r]) / kSamples + 1e-30) +
-                  density.log_determinant;
-    return cost;
 }
 
 /// What each known ray says.
@@ -226,7 +132,7 @@ Profiles profiles_of(const Raster<T>& picture, const Outline& outline, const Edg
         std::max(1, static_cast<int>(std::lround(spacing / std::max(1.0, search.step))));
     const auto rays = rays_of(outline, search.rays * dense);
     const std::size_t count = rays.size();
-    std::vector<std::array<float, kSamples>> all(count);
+    std::vector<Profile> all(count);
     for (std::size_t r = 0; r < count; ++r)
         for (int k = 0; k < kSamples; ++k) {
             const double d = (k - kHalf) * search.step;
@@ -242,24 +148,15 @@ Profiles profiles_of(const Raster<T>& picture, const Outline& outline, const Edg
     Profiles profiles;
     for (std::size_t r = static_cast<std::size_t>(dense / 2); r < count;
          r += static_cast<std::size_t>(dense)) {
-        std::array<float, kSamples> profile{};
-        double sum = 0, squares = 0;
+        Profile profile{};
         for (std::size_t i = 0; i < kernel.size(); ++i) {
             const auto& one = all[(r + count + i - reach) % count];
             for (std::size_t k = 0; k < kSamples; ++k) profile[k] += kernel[i] / weight * one[k];
         }
-        for (const float v : profile) sum += static_cast<double>(v);
-        if (std::isnan(sum)) continue;
-        for (float& v : profile) {
-            v -= static_cast<float>(sum / kSamples);
-            squares += static_cast<double>(v * v);
-        }
+        if (!normalise(profile)) continue;
         const std::size_t at = profiles.rays.size() % kBatch;
         if (at == 0) profiles.batches.emplace_back();
-        // Scaled so that floats suffice; the likelihood does not mind.
-        const auto gain = static_cast<float>(1 / std::sqrt(squares + 1e-20));
-        for (std::size_t k = 0; k < kSamples; ++k)
-            profiles.batches.back().samples[k][at] = gain * profile[k];
+        profiles.batches.back().set(at, profile);
         profiles.rays.push_back(rays[r]);
         profiles.index.push_back(r / static_cast<std::size_t>(dense));
     }
