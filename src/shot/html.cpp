@@ -20,9 +20,6 @@ constexpr std::size_t kFewCards = 24;     ///< a card each; of more, lines and a
 constexpr std::size_t kMostLines = 1000;  ///< flagged frames beyond are in the table only
 constexpr std::size_t kOpenTable = 400;   ///< rows; a longer table is folded
 
-constexpr FrameOutcome kOutcomes[] = {FrameOutcome::found, FrameOutcome::filled, FrameOutcome::held,
-                                      FrameOutcome::missing, FrameOutcome::failed};
-
 Rows in_order(const ShotReport& report) {
     Rows frames;
     for (const FrameReport& frame : report.frames) frames.push_back(&frame);

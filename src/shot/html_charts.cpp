@@ -35,10 +35,11 @@ std::string path_of(std::string_view kind, std::string_view drawn) {
 }
 
 /// One path an outcome, of that outcome's colour.
-std::string paths_of(std::string_view kind, const std::array<std::string, 5>& drawn) {
+std::string paths_of(std::string_view kind,
+                     const std::array<std::string, kOutcomes.size()>& drawn) {
     std::string svg;
     for (std::size_t i = 0; i < drawn.size(); ++i)
-        svg += path_of(fmt::format("{} {}", kind, name_of(static_cast<FrameOutcome>(i))), drawn[i]);
+        svg += path_of(fmt::format("{} {}", kind, name_of(kOutcomes[i])), drawn[i]);
     return svg;
 }
 
@@ -104,35 +105,19 @@ private:
     double count_ = 1;
 };
 
-/// How badly a person wants to see it; a column of many frames shows the worst.
-int gravity(FrameOutcome outcome) {
-    switch (outcome) {
-        case FrameOutcome::found:
-            return 0;
-        case FrameOutcome::filled:
-            return 1;
-        case FrameOutcome::held:
-            return 2;
-        case FrameOutcome::missing:
-            return 3;
-        case FrameOutcome::failed:
-            return 4;
-    }
-    return 4;
-}
-
 /// Columns of one outcome in a row, in drawing units.
 struct Stretch {
     FrameOutcome outcome;
     double left, right;
 };
 
+/// A column of many frames shows the worst.
 std::vector<Stretch> stretches(const Rows& frames) {
     const Columns columns(frames);
     std::vector<std::optional<FrameOutcome>> worst(columns.count());
     for (const FrameReport* frame : frames) {
         auto& outcome = worst[columns.of(*frame)];
-        if (!outcome || gravity(frame->outcome) > gravity(*outcome)) outcome = frame->outcome;
+        if (!outcome || frame->outcome > *outcome) outcome = frame->outcome;
     }
     std::vector<Stretch> all;
     for (std::size_t i = 0; i < worst.size(); ++i) {
@@ -148,7 +133,7 @@ std::vector<Stretch> stretches(const Rows& frames) {
 /// The outcomes as a band, `found` only where asked for, being the rule.
 std::string bands(const std::vector<Stretch>& all, double top, double bottom, bool with_found,
                   std::string_view kind) {
-    std::array<std::string, 5> drawn;
+    std::array<std::string, kOutcomes.size()> drawn;
     for (const Stretch& s : all)
         if (with_found || s.outcome != FrameOutcome::found)
             drawn[static_cast<std::size_t>(s.outcome)] += rectangle(s.left, top, s.right, bottom);
@@ -392,7 +377,7 @@ std::string timing_chart(const Rows& frames) {
     const Scale y{0, longest > 0 ? 1.05 * longest : 1, kBottom, kTop};
 
     const double gap = columns.left(1) - columns.left(0) > 4 ? 1 : 0;
-    std::array<std::string, 5> bars;
+    std::array<std::string, kOutcomes.size()> bars;
     for (std::size_t i = 0; i < slowest.size(); ++i)
         if (slowest[i] && slowest[i]->seconds > 0)
             bars[static_cast<std::size_t>(slowest[i]->outcome)] += rectangle(

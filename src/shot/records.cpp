@@ -84,14 +84,6 @@ Camera camera_from(const Json& json) {
     return camera;
 }
 
-std::optional<FrameOutcome> outcome_named(std::string_view name) {
-    for (const FrameOutcome outcome :
-         {FrameOutcome::found, FrameOutcome::filled, FrameOutcome::held, FrameOutcome::missing,
-          FrameOutcome::failed})
-        if (name_of(outcome) == name) return outcome;
-    return std::nullopt;
-}
-
 }  // namespace
 
 std::string to_line(const TrackRecord& r) {

@@ -1,7 +1,6 @@
 #include "shot/report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -9,13 +8,6 @@ namespace chromeball {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr std::array<std::pair<FrameOutcome, std::string_view>, 5> kOutcomes = {
-    {{FrameOutcome::found, "found"},
-     {FrameOutcome::filled, "filled"},
-     {FrameOutcome::held, "held"},
-     {FrameOutcome::missing, "missing"},
-     {FrameOutcome::failed, "failed"}}};
 
 /// A ten-thousandth of a pixel is more than anyone measures.
 double rounded(double value) { return std::round(value * 1e4) / 1e4; }
@@ -41,9 +33,10 @@ Json to_json(const FrameReport& f) {
 
 Json summary_of(const ShotReport& report) {
     Json json = {{"frames", report.frames.size()}};
-    for (const auto& [outcome, name] : kOutcomes)
-        json[name] = std::count_if(report.frames.begin(), report.frames.end(),
-                                   [&](const FrameReport& f) { return f.outcome == outcome; });
+    for (const FrameOutcome outcome : kOutcomes)
+        json[std::string(name_of(outcome))] =
+            std::count_if(report.frames.begin(), report.frames.end(),
+                          [&](const FrameReport& f) { return f.outcome == outcome; });
     json["flagged"] = std::count_if(report.frames.begin(), report.frames.end(),
                                     [](const FrameReport& f) { return f.flagged; });
     json["wall_seconds"] = rounded(report.wall_seconds);
@@ -54,9 +47,25 @@ Json summary_of(const ShotReport& report) {
 }  // namespace
 
 std::string_view name_of(FrameOutcome outcome) {
-    const auto* row = std::find_if(kOutcomes.begin(), kOutcomes.end(),
-                                   [&](const auto& one) { return one.first == outcome; });
-    return row->second;
+    switch (outcome) {
+        case FrameOutcome::found:
+            return "found";
+        case FrameOutcome::filled:
+            return "filled";
+        case FrameOutcome::held:
+            return "held";
+        case FrameOutcome::missing:
+            return "missing";
+        case FrameOutcome::failed:
+            break;
+    }
+    return "failed";
+}
+
+std::optional<FrameOutcome> outcome_named(std::string_view name) {
+    for (const FrameOutcome outcome : kOutcomes)
+        if (name_of(outcome) == name) return outcome;
+    return std::nullopt;
 }
 
 std::string to_json(const ShotReport& report) {

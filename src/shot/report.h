@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,7 +10,7 @@
 
 namespace chromeball {
 
-/// What became of one frame of a shot.
+/// What became of one frame of a shot, the worst last.
 enum class FrameOutcome {
     found,    ///< the outline was detected in this frame
     filled,   ///< the outline is the solve's: hidden, or detected wrongly, in this frame
@@ -17,9 +18,15 @@ enum class FrameOutcome {
     missing,  ///< no outline: nothing was written
     failed,   ///< could not be read or written
 };
+/// All of them, in that order.
+inline constexpr std::array kOutcomes = {FrameOutcome::found, FrameOutcome::filled,
+                                         FrameOutcome::held, FrameOutcome::missing,
+                                         FrameOutcome::failed};
 
 /// "found", "filled", "held", "missing", "failed".
 std::string_view name_of(FrameOutcome outcome);
+/// Back from a name; nothing where there is no such outcome.
+std::optional<FrameOutcome> outcome_named(std::string_view name);
 
 /// One frame as the reports tell it.
 struct FrameReport {

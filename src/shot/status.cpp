@@ -45,9 +45,7 @@ std::string ShotStatus::text() const {
         text += "solve    not done\n";
     } else {
         text += fmt::format("solve    {} frames:", solved_.size());
-        for (const FrameOutcome outcome :
-             {FrameOutcome::found, FrameOutcome::filled, FrameOutcome::held, FrameOutcome::missing,
-              FrameOutcome::failed})
+        for (const FrameOutcome outcome : kOutcomes)
             text += fmt::format(
                 " {} {},", count(solved_, [&](const Solved& s) { return s.outcome == outcome; }),
                 name_of(outcome));
