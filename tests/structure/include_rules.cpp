@@ -52,14 +52,14 @@ const Door kDoors[] = {
     {"OpenColorIO/", {"color"}},
     {"opencv2/", {"detect"}},
     {"ceres/", {"detect"}},
-    {"Eigen/", {"detect", "shot"}},
+    {"Eigen/", {"detect", "light", "shot"}},
     {"embree3/", {"render"}},
     {"assimp/", {"render"}},
     {"CLI/", {"apps"}},
     {"tbb/", {"core", "resample"}},
     {"oneapi/", {"core", "resample"}},
     {"hwy/", {"resample"}},
-    {"fmt/", {"io", "color", "detect", "shot", "apps"}},
+    {"fmt/", {"io", "color", "detect", "light", "shot", "apps"}},
 };
 
 /// The system's own headers have ".h" names; the standard library's have none.
