@@ -3,6 +3,7 @@
 #include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVersion.h>
 
@@ -67,9 +68,11 @@ std::vector<std::int64_t> level_sizes(std::int64_t size, const Imf::TileDescript
 }
 
 /// As many as the table of contents has entries. "Technical Introduction to OpenEXR"; the library
-/// knows it, but keeps it to itself.
-std::size_t chunk_count(const Imf::Header& header) {
-    if (header.hasChunkCount()) return static_cast<std::size_t>(header.chunkCount());
+/// knows it, but keeps it to itself. Like the library this takes a header's own count, which may
+/// say anything, only for kinds of parts that came later than all that are known.
+std::uint64_t chunk_count(const Imf::Header& header) {
+    if (header.hasType() && !Imf::isSupportedType(header.type()))
+        return header.hasChunkCount() ? static_cast<std::uint32_t>(header.chunkCount()) : 0;
     const auto parts = [](std::int64_t size, std::int64_t part) {
         return (size + part - 1) / part;
     };
@@ -77,7 +80,7 @@ std::size_t chunk_count(const Imf::Header& header) {
     const std::int64_t width = std::int64_t{box.max.x} - box.min.x + 1;
     const std::int64_t height = std::int64_t{box.max.y} - box.min.y + 1;
     if (!header.hasTileDescription())
-        return static_cast<std::size_t>(parts(height, rows_of_chunk(header.compression())));
+        return static_cast<std::uint64_t>(parts(height, rows_of_chunk(header.compression())));
     const Imf::TileDescription& tiles = header.tileDescription();
     const auto count = [&](std::int64_t w, std::int64_t h) {
         return parts(w, tiles.xSize) * parts(h, tiles.ySize);
@@ -92,7 +95,7 @@ std::size_t chunk_count(const Imf::Header& header) {
             all += count(level < widths.size() ? widths[level] : 1,
                          level < heights.size() ? heights[level] : 1);
     }
-    return static_cast<std::size_t>(all);
+    return static_cast<std::uint64_t>(all);
 }
 
 /// Bytes of a file from a place on; fewer where it ends.
@@ -127,19 +130,24 @@ void check_chunks_are_there(const std::string& path, const FileProbe& probe,
         tables = end_of_headers(first_bytes(path, std::min(probe.size, kMostHeaders)), file.parts(),
                                 multipart);
     if (!tables) return;  // the library has read what we have not
+    const auto truncated = [&] {
+        return failure(path,
+                       "truncated: the file ends before its pixels do; copy or render it again");
+    };
     std::uint64_t at = *tables;
     for (int i = 0; i < part; ++i) at += 8 * chunk_count(file.header(i));
-    const std::size_t count = chunk_count(file.header(part));
+    const std::uint64_t count = chunk_count(file.header(part));
+    // The headers' word, so far: of a table there is not more than the file has room for.
+    if (at > probe.size || count > (probe.size - at) / 8) throw truncated();
     const InputFile input = open_input(path);
-    const auto table = bytes_at(input.get(), at, 8 * count);
+    const auto table = bytes_at(input.get(), at, 8 * static_cast<std::size_t>(count));
     std::uint64_t last = 0;
     for (std::size_t i = 0; i + 8 <= table.size(); i += 8)
         last = std::max(last, little_endian_64(table, i));
     const bool tiled = file.header(part).hasTileDescription();
     if (table.size() < 8 * count || last >= probe.size ||
         end_of_chunk(input.get(), last, tiled, multipart) > probe.size)
-        throw failure(path,
-                      "truncated: the file ends before its pixels do; copy or render it again");
+        throw truncated();
 }
 
 }  // namespace chromeball::io

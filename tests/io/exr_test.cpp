@@ -17,6 +17,8 @@
 #include <OpenEXR/ImfVecAttribute.h>
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "io/facts.h"
 #include "io/files.h"
 #include "io/read.h"
@@ -223,6 +225,31 @@ TEST_F(Exr, IsCalledTruncatedAlsoWithSeveralPartsOrALongHeader) {
             }
         }
         expect_its_end_is_missed(file, "parts");
+    }
+}
+
+TEST_F(Exr, ACountOfChunksThatLiesIsNotBelieved) {
+    for (const int lie : {-5, 0, 2'000'000'000}) {
+        const Recipe recipe;
+        Imf::Header header = header_of(recipe);
+        header.setChunkCount(1);
+        Planes planes(recipe.data, 3);
+        {
+            Imf::FrameBuffer buffer;
+            for (int c = 0; c < 3; ++c)
+                buffer.insert(recipe.channels[static_cast<std::size_t>(c)], planes.slice(c));
+            Imf::OutputFile out(file.c_str(), header);
+            out.setFrameBuffer(buffer);
+            out.writePixels(9);
+        }
+        // Behind the attribute's name, type ("int") and length (4).
+        std::string bytes = test::read_bytes(file);
+        const std::size_t at = bytes.find("chunkCount");
+        ASSERT_NE(at, std::string::npos);
+        std::memcpy(bytes.data() + at + 11 + 4 + 4, &lie, 4);
+        test::write_bytes(file, bytes);
+        const Photo photo = read_photo(file);
+        EXPECT_EQ(value_at(photo, 3, 2, 1), mark(1, 3, 2)) << lie;
     }
 }
 
