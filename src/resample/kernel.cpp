@@ -10,6 +10,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "resample/filter.h"
 #include "resample/kernel.h"
 #include "resample/kernel_map-inl.h"
 #include "resample/kernel_tap-inl.h"
@@ -33,11 +34,11 @@ constexpr int kBatch = 256;  // taps that are placed at once
 // What is done for a pixel.
 constexpr std::int32_t kFour = 0, kMany = 1, kCubic = 2, kExact = 3;
 
-/// As kMagnified of the scalar reference, and how far from its position its cubic looks, and a bit.
-constexpr float kMagnified = 0.7F, kCubicReach = 2.01F;
-
-/// As kNearlyStraight of the scalar reference.
-constexpr float kNearlyStraight = 0.1F;
+constexpr float kMagnified = static_cast<float>(filter::kMagnified),
+                kCubicReach = static_cast<float>(filter::kCubicReach),
+                kNearlyStraight = static_cast<float>(filter::kNearlyStraight),
+                kTapsPerPixel = static_cast<float>(filter::kTapsPerPixel);
+using filter::kLeastTaps, filter::kMostTaps, filter::kPure, filter::kUnknownTaps;
 
 /// Positions of a row's pixels: [0] is the left neighbour of the first.
 struct alignas(64) PlacedRow {
@@ -307,7 +308,7 @@ private:
             if (source_.shape == SourceForm::Shape::ball)
                 cubic = hn::And(cubic, whole(x, y, set(kCubicReach), set(kCubicReach)));
             simple = hn::Or(simple, cubic);
-            const VI two = hn::Set(di, 2), four = hn::Set(di, 4);
+            const VI two = hn::Set(di, 2), unknown = hn::Set(di, kUnknownTaps);
             const auto small = hn::And(hn::Eq(nx, two), hn::Eq(ny, two));
             VI what = hn::IfThenElse(small, hn::Set(di, kFour), hn::Set(di, kMany));
             what = hn::IfThenElse(hn::RebindMask(di, cubic), hn::Set(di, kCubic), what);
@@ -315,8 +316,8 @@ private:
                        to.what + i);
             // A pixel of whose middle nothing is known may still be shown in part.
             const auto lost = hn::RebindMask(di, hn::Not(known));
-            hn::StoreU(hn::IfThenElse(lost, four, nx), di, to.nx + i);
-            hn::StoreU(hn::IfThenElse(lost, four, ny), di, to.ny + i);
+            hn::StoreU(hn::IfThenElse(lost, unknown, nx), di, to.nx + i);
+            hn::StoreU(hn::IfThenElse(lost, unknown, ny), di, to.ny + i);
             store(xx, to.xx + i);
             store(xy, to.xy + i);
             store(yx, to.yx + i);
@@ -377,8 +378,8 @@ private:
 
     /// As sample_count of the scalar reference.
     HWY_INLINE VI sample_count(V footprint) const {
-        const V count = hn::Ceil(hn::Mul(set(1.5F), footprint));
-        return hn::ConvertTo(DI(), hn::Min(hn::Max(count, set(2)), set(64)));
+        const V count = hn::Ceil(hn::Mul(set(kTapsPerPixel), footprint));
+        return hn::ConvertTo(DI(), hn::Min(hn::Max(count, set(kLeastTaps)), set(kMostTaps)));
     }
 
     const float* pixel(std::int32_t index) const {
@@ -423,7 +424,7 @@ private:
             if (ball) {
                 const float weight = alpha_of(total);
                 // Pixels that must not be used are among these.
-                if (!(weight > 0.9999F * taps)) {
+                if (!(weight > kPure * taps)) {
                     s_.exact.pixel[s_.exact.count++] = i;
                     continue;
                 }
@@ -466,8 +467,8 @@ private:
         const std::ptrdiff_t down = 4 * static_cast<std::ptrdiff_t>(source_.stride);
         const int nx = row.nx[i], ny = row.ny[i];
         if (const TapGrid* grid = grids_.find(nx, ny)) return grid_taps(i, *grid, nx * ny);
-        alignas(64) std::int32_t at[64 + kMostLanes];
-        alignas(64) float fx[64 + kMostLanes], fy[64 + kMostLanes];
+        alignas(64) std::int32_t at[kMostTaps + kMostLanes];
+        alignas(64) float fx[kMostTaps + kMostLanes], fy[kMostTaps + kMostLanes];
         const D d;
         const float step = 1 / static_cast<float>(nx), step_down = 1 / static_cast<float>(ny);
         const V face = set(placed.face[i + 1]);

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "map/orientation.h"
+#include "resample/filter.h"
 #include "resample/tap.h"
 
 namespace chromeball {
@@ -33,16 +34,10 @@ struct Sum {
 
 /// Sub-samples along one side of an output pixel whose footprint is that many source pixels long.
 inline int sample_count(double footprint) {
-    return static_cast<int>(std::clamp(std::ceil(1.5 * footprint), 2.0, 64.0));
+    using namespace filter;
+    return static_cast<int>(
+        std::clamp(std::ceil(kTapsPerPixel * footprint), double{kLeastTaps}, double{kMostTaps}));
 }
-
-/// A footprint shorter than that, in source pixels, is of a magnified source: one cubic tap. The
-/// source's pixels have blurred it more than the output's own area does.
-constexpr double kMagnified = 0.7;
-
-/// Where mappings are said to bend strongly, taps are still taken along straight lines if a step of
-/// the output bends by less than that, in source pixels: by an eighth of it within the pixel.
-constexpr double kNearlyStraight = 0.1;
 
 /// One output picture: target T drawn from source P.
 template <class T, class P>
@@ -59,13 +54,13 @@ public:
 
     Sum adaptive(int x, int y) const {
         const auto [at, steep] = footprint(x, y);
-        if (!at) return exact_sum(x, y, 4, 4);  // a part of the pixel may be shown
+        if (!at) return exact_sum(x, y, filter::kUnknownTaps, filter::kUnknownTaps);
         const V2d by_x(at->x.du, at->y.du), by_y(at->x.dv, at->y.dv);
         const int nx = sample_count(by_x.length()), ny = sample_count(by_y.length());
         const V2d centre = value_of(*at);
         const V2d reach(0.5 * (std::abs(by_x.x) + std::abs(by_y.x)),
                         0.5 * (std::abs(by_x.y) + std::abs(by_y.y)));
-        if (std::max(by_x.length(), by_y.length()) < kMagnified) {
+        if (std::max(by_x.length(), by_y.length()) < filter::kMagnified) {
             if (const auto tap = lookup_.cubic(centre)) {
                 Sum sum;
                 sum.add(1, tap);
@@ -107,7 +102,7 @@ private:
             const V2d off = before + after - *at * 2.0;
             return std::max(std::abs(off.x), std::abs(off.y));
         };
-        return std::max(bend(*left, *right), bend(*up, *down)) < kNearlyStraight;
+        return std::max(bend(*left, *right), bend(*up, *down)) < filter::kNearlyStraight;
     }
 
     Footprint footprint(int x, int y) const {

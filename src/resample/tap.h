@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "resample/filter.h"
 #include "resample/source.h"
 
 namespace chromeball {
@@ -110,11 +111,11 @@ public:
 
     /// A cubic's value at a position; nothing where some pixel that it needs must not be used.
     std::optional<Rgbw> cubic(V2d at) const {
-        constexpr double kReach = 2.01;  // two pixels, and a bit
-        if (source_.ball && !whole(at, {kReach, kReach})) return std::nullopt;
+        constexpr V2d kReach(filter::kCubicReach, filter::kCubicReach);
+        if (source_.ball && !whole(at, kReach)) return std::nullopt;
         Rgbw sum = cubic_tap(pixels_, at);
         if (!source_.ball) return sum;
-        if (!(sum.w > 0.9999F)) return std::nullopt;
+        if (!(sum.w > filter::kPure)) return std::nullopt;
         const float scale = 1 / sum.w;
         return Rgbw{sum.r * scale, sum.g * scale, sum.b * scale, 1};
     }
