@@ -128,6 +128,24 @@ public:
           divide_(shape.write_alpha && !format.associated),
           range_(range_of(format.format, type)) {}
 
+    /// Whether a row can be stored as it is: all of its values fit, and there is nothing to divide,
+    /// repeat or leave out. So are nearly all, and asking costs a fraction of fitting.
+    bool fits(const float* in, int channels, std::size_t values) const {
+        if (shape_.written() != channels || shape_.repeat_grey) return false;
+        switch (channels) {
+            case 1:
+                return row_fits<1>(in, values);
+            case 2:
+                return row_fits<2>(in, values);
+            case 3:
+                return row_fits<3>(in, values);
+            case 4:
+                return row_fits<4>(in, values);
+            default:
+                return row_fits<5>(in, values);
+        }
+    }
+
     /// channels: of the image, 1 to 5
     void fit(const float* in, int channels, std::span<float> out, WriteReport& report) const {
         switch (channels) {  // known to the compiler the loops over them cost nothing
@@ -145,6 +163,30 @@ public:
     }
 
 private:
+    template <int kChannels>
+    bool row_fits(const float* in, std::size_t values) const {
+        // The same limits for some pixels in a row, so that many numbers are asked at a time.
+        constexpr std::size_t kTogether = std::size_t{16} * kChannels;
+        std::array<float, kTogether> low, high;
+        for (std::size_t i = 0; i < kTogether; ++i) {
+            const int channel = static_cast<int>(i) % kChannels;
+            const bool color = channel < shape_.colors;
+            const bool divisor = divide_ && channel == shape_.colors;
+            low[i] = color ? range_.low : divisor ? 1 : 0;
+            high[i] = color ? range_.high : 1;
+        }
+        const auto misfits = [&](const float* at, std::size_t count) {
+            int bad = 0;
+            for (std::size_t i = 0; i < count; ++i)  // so that NaN is one
+                bad |= !(at[i] >= low[i]) | !(at[i] <= high[i]);
+            return bad;
+        };
+        int bad = 0;
+        std::size_t done = 0;
+        for (; done + kTogether <= values; done += kTogether) bad |= misfits(in + done, kTogether);
+        return (bad | misfits(in + done, values - done)) == 0;
+    }
+
     template <int kChannels>
     void fit_row(const float* in, std::span<float> out, WriteReport& total) const {
         constexpr Range kShare{0, 1};  // of alpha and confidence
@@ -188,8 +230,10 @@ io::Values values_of(ImageView<const float> image, const WriteOptions& options) 
         WriteReport report;
         std::vector<float> row(length / bytes_per_value(type));
         for (int y = first; y < last; ++y, out += length) {
-            fitter.fit(image.row(y), image.channels, row, report);
-            io::store(row, type, out);
+            const bool as_it_is = fitter.fits(image.row(y), image.channels, row.size());
+            if (!as_it_is) fitter.fit(image.row(y), image.channels, row, report);
+            io::store(as_it_is ? std::span(image.row(y), row.size()) : std::span<const float>(row),
+                      type, out);
         }
         return report;
     };

@@ -243,13 +243,13 @@ TEST(Unassociated, ColourOfAThinPixelStaysFinite) {
 
 Imf::Header exr_header(const std::string& file) { return Imf::InputFile(file.c_str()).header(); }
 
-TEST(ExrOutput, IsPizHalfScanlinesInTheWindowsGiven) {
+TEST(ExrOutput, IsZipHalfScanlinesInTheWindowsGiven) {
     const TempFolder folder;
     WriteOptions options;
     options.display = {100, 50};
     write_image(folder / "x.exr", pattern({16, 9}, 4).view(), options);
     const Imf::Header header = exr_header(folder / "x.exr");
-    EXPECT_EQ(header.compression(), Imf::PIZ_COMPRESSION);
+    EXPECT_EQ(header.compression(), Imf::ZIP_COMPRESSION);
     EXPECT_EQ(header.displayWindow(), Imath::Box2i({0, 0}, {99, 49}));
     EXPECT_EQ(header.dataWindow(), Imath::Box2i({0, 0}, {15, 8}));
     EXPECT_EQ(header.channels()["R"].type, Imf::HALF);
