@@ -25,6 +25,9 @@ inline std::uint32_t little_endian_16(std::span<const std::byte> bytes, std::siz
 inline std::uint32_t little_endian_32(std::span<const std::byte> bytes, std::size_t at) {
     return little_endian_16(bytes, at) | little_endian_16(bytes, at + 2) << 16;
 }
+inline std::uint64_t little_endian_64(std::span<const std::byte> bytes, std::size_t at) {
+    return little_endian_32(bytes, at) | std::uint64_t{little_endian_32(bytes, at + 4)} << 32;
+}
 
 /// Whether the text stands there; this one looks itself whether there is enough.
 inline bool starts_with(std::span<const std::byte> bytes, std::size_t offset,

@@ -106,10 +106,6 @@ std::vector<std::byte> bytes_at(std::FILE* file, std::uint64_t place, std::size_
     return bytes;
 }
 
-std::uint64_t little_endian_64(std::span<const std::byte> bytes, std::size_t at) {
-    return little_endian_32(bytes, at) | std::uint64_t{little_endian_32(bytes, at + 4)} << 32;
-}
-
 /// The byte behind a chunk: its head says how long it is.
 std::uint64_t end_of_chunk(std::FILE* file, std::uint64_t place, bool tiled, bool multipart) {
     // Row, or tile's column, row and levels; before that the part's number; then the length.
@@ -121,15 +117,16 @@ std::uint64_t end_of_chunk(std::FILE* file, std::uint64_t place, bool tiled, boo
 
 }  // namespace
 
-void check_chunks_are_there(const std::string& path, const FileProbe& probe,
-                            const Imf::MultiPartInputFile& file, int part) {
-    const bool multipart = Imf::isMultiPart(file.version());
-    auto tables = end_of_headers(probe.head, file.parts(), multipart);
+std::optional<ChunkTable> checked_chunks(const std::string& path, const FileProbe& probe,
+                                         const Imf::MultiPartInputFile& file, int part) {
+    ChunkTable table;
+    table.multipart = Imf::isMultiPart(file.version());
+    auto tables = end_of_headers(probe.head, file.parts(), table.multipart);
     constexpr std::size_t kMostHeaders = std::size_t{64} << 20;
     if (!tables && probe.size > probe.head.size())
         tables = end_of_headers(first_bytes(path, std::min(probe.size, kMostHeaders)), file.parts(),
-                                multipart);
-    if (!tables) return;  // the library has read what we have not
+                                table.multipart);
+    if (!tables) return std::nullopt;
     const auto truncated = [&] {
         return failure(path,
                        "truncated: the file ends before its pixels do; copy or render it again");
@@ -140,14 +137,15 @@ void check_chunks_are_there(const std::string& path, const FileProbe& probe,
     // The headers' word, so far: of a table there is not more than the file has room for.
     if (at > probe.size || count > (probe.size - at) / 8) throw truncated();
     const InputFile input = open_input(path);
-    const auto table = bytes_at(input.get(), at, 8 * static_cast<std::size_t>(count));
-    std::uint64_t last = 0;
-    for (std::size_t i = 0; i + 8 <= table.size(); i += 8)
-        last = std::max(last, little_endian_64(table, i));
+    const auto bytes = bytes_at(input.get(), at, 8 * static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i + 8 <= bytes.size(); i += 8)
+        table.places.push_back(little_endian_64(bytes, i));
+    const std::uint64_t last = table.places.empty() ? 0 : *std::ranges::max_element(table.places);
     const bool tiled = file.header(part).hasTileDescription();
-    if (table.size() < 8 * count || last >= probe.size ||
-        end_of_chunk(input.get(), last, tiled, multipart) > probe.size)
+    if (table.places.size() < count || last >= probe.size ||
+        end_of_chunk(input.get(), last, tiled, table.multipart) > probe.size)
         throw truncated();
+    return table;
 }
 
 }  // namespace chromeball::io

@@ -179,11 +179,13 @@ std::size_t pixel_bytes(const Photo& photo) {
     return bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
 }
 
-void decode_channels(Imf::MultiPartInputFile& file, const PartChoice& choice, const Frame& frame,
-                     Photo& photo) {
+void decode_channels(Imf::MultiPartInputFile& file, const std::optional<ChunkTable>& chunks,
+                     const PartChoice& choice, const Frame& frame, Photo& photo) {
+    const Imf::Header& header = file.header(choice.part);
+    if (chunks && can_decode_zip(header, choice.selection.names, photo.type))
+        return decode_zip(header, *chunks, choice.selection.names, photo.window.y + frame.origin.y,
+                          photo);
     Imf::InputPart part(file, choice.part);
-    if (can_decode_zip(part.header(), choice.selection.names, photo.type))
-        return decode_zip(part, choice.selection.names, photo.window.y + frame.origin.y, photo);
     const std::size_t value = bytes_per_value(photo.type);
     const Imf::PixelType type = photo.type == PixelType::f16 ? Imf::HALF : Imf::FLOAT;
     const int first = photo.window.y + frame.origin.y;
@@ -230,7 +232,7 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     photo.window.size.height = last - first;
     if (!file.partComplete(choice.part))
         throw failure(path, "truncated: rows of pixels are missing; copy or render it again");
-    check_chunks_are_there(path, probe, file, choice.part);
+    const auto chunks = checked_chunks(path, probe, file, choice.part);
     if (request.header_only || first == last) return photo;
     photo.pixels.resize(photo.window.size.pixels() * pixel_bytes(photo));
     if (choice.selection.luminance_chroma && choice.part != 0)
@@ -238,7 +240,7 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     if (choice.selection.luminance_chroma)
         decode_luminance_chroma(path, frame, photo);
     else
-        decode_channels(file, choice, frame, photo);
+        decode_channels(file, chunks, choice, frame, photo);
     return photo;
 }
 

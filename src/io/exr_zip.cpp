@@ -3,16 +3,24 @@
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfInputPart.h>
 #include <isa-l/igzip_lib.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cerrno>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <optional>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 #include "core/parallel.h"
+#include "io/bytes.h"
+#include "io/input_file.h"
 #include "io/messages.h"
 
 namespace chromeball::io {
@@ -24,8 +32,9 @@ std::size_t value_bytes(Imf::PixelType type) { return type == Imf::HALF ? 2 : 4;
 
 /// How the rows of a part lie in a chunk: row by row the channels' values, in the order of names.
 struct Rows {
-    int top = 0;                      ///< of the data window
-    int bottom = 0;                   ///< one past the last
+    int top = 0;     ///< of the data window
+    int bottom = 0;  ///< one past the last
+    static constexpr int kMostTogether = 16;
     int together = 1;                 ///< rows a chunk, but for the last
     std::size_t length = 0;           ///< bytes of a row
     std::vector<std::size_t> planes;  ///< where the photo's channels begin in a row
@@ -35,7 +44,7 @@ Rows rows_of(const Imf::Header& header, const std::vector<std::string>& channels
     Rows rows;
     rows.top = header.dataWindow().min.y;
     rows.bottom = header.dataWindow().max.y + 1;
-    rows.together = header.compression() == Imf::ZIP_COMPRESSION ? 16 : 1;
+    rows.together = header.compression() == Imf::ZIP_COMPRESSION ? Rows::kMostTogether : 1;
     rows.planes.resize(channels.size());
     const auto width = static_cast<std::size_t>(header.dataWindow().max.x) -
                        static_cast<std::size_t>(header.dataWindow().min.x) + 1;
@@ -47,34 +56,33 @@ Rows rows_of(const Imf::Header& header, const std::vector<std::string>& channels
     return rows;
 }
 
-/// A chunk as it is in the file. The library gives it out of its own memory, one at a time.
-std::vector<Byte> stored_chunk(Imf::InputPart& part, int row) {
-    const char* data = nullptr;
-    int length = 0;
-    part.rawPixelData(row, data, length);
-    const auto* bytes = reinterpret_cast<const Byte*>(data);
-    return {bytes, bytes + length};
-}
-
-/// Inflates a chunk of that many bytes and undoes the differences between them; false when it is
-/// damaged. The bytes of even places then come first, those of odd ones behind them.
-bool inflate(std::vector<Byte>& chunk, std::size_t length, std::vector<Byte>& out) {
-    out.resize(length);
-    const auto state = std::make_unique<inflate_state>();
-    ::isal_inflate_init(state.get());
-    state->crc_flag = ISAL_ZLIB;
-    state->next_in = chunk.data();
-    state->avail_in = static_cast<std::uint32_t>(chunk.size());
-    state->next_out = out.data();
-    state->avail_out = static_cast<std::uint32_t>(out.size());
-    if (::isal_inflate_stateless(state.get()) != ISAL_DECOMP_OK || state->avail_out != 0)
-        return false;
-    unsigned sum = 128;  // in a register, not from what was just stored
-    for (Byte& byte : out) {
-        sum += byte - 128U;
-        byte = static_cast<Byte>(sum);
+/// Undoes the differences between bytes: each is what its sum with the one before exceeds 128 by.
+void sum_up(Byte* bytes, std::size_t count) {
+    std::size_t i = 0;
+    unsigned sum = 128;
+#if defined(__SSE2__)
+    const __m128i middle = _mm_set1_epi8(-128);
+    __m128i before = _mm_set1_epi8(-128);
+    for (; i + 16 <= count; i += 16) {
+        auto* place = reinterpret_cast<__m128i*>(bytes + i);
+        __m128i x = _mm_xor_si128(_mm_loadu_si128(place), middle);  // less 128
+        // Sums of two neighbours, of four, of eight, of all.
+        x = _mm_add_epi8(x, _mm_slli_si128(x, 1));
+        x = _mm_add_epi8(x, _mm_slli_si128(x, 2));
+        x = _mm_add_epi8(x, _mm_slli_si128(x, 4));
+        x = _mm_add_epi8(x, _mm_slli_si128(x, 8));
+        x = _mm_add_epi8(x, before);
+        _mm_storeu_si128(place, x);
+        // The last one everywhere.
+        x = _mm_unpackhi_epi8(x, x);
+        before = _mm_shuffle_epi32(_mm_shufflehi_epi16(x, 0xff), 0xff);
     }
-    return true;
+    if (i > 0) sum = bytes[i - 1];
+#endif
+    for (; i < count; ++i) {
+        sum += bytes[i] - 128U;
+        bytes[i] = static_cast<Byte>(sum);
+    }
 }
 
 /// Values of a row and channel, from the bytes of even and of odd places, to every stride-th place.
@@ -90,34 +98,106 @@ void join(const Byte* even, const Byte* odd, std::size_t count, std::size_t word
         for (std::size_t i = 0; i < count; ++i, out += stride) std::memcpy(out, from + 2 * i, 4);
 }
 
-/// The rows first to last of a chunk that begins at the row `top`, into the photo's pixels at
-/// `out`.
-bool unpack(std::vector<Byte>& chunk, const Rows& rows, int top, int first, int last,
-            const Photo& photo, std::byte* out) {
-    const auto count = static_cast<std::size_t>(std::min(rows.bottom, top + rows.together) - top);
-    const std::size_t length = count * rows.length;
-    const std::size_t half = (length + 1) / 2;
-    std::vector<Byte> bytes;
-    if (chunk.size() < length) {
-        if (!inflate(chunk, length, bytes)) return false;
-    } else {  // what would not shrink is stored as it is
-        bytes.resize(length);
-        for (std::size_t i = 0; i < length; ++i) bytes[i % 2 * half + i / 2] = chunk[i];
+/// Reads and unpacks chunks, one after the other.
+class ChunkReader {
+public:
+    ChunkReader(int file, const ChunkTable& table, const Rows& rows, Photo& photo, int first)
+        : file_(file),
+          table_(table),
+          rows_(rows),
+          photo_(photo),
+          first_(first),
+          most_(rows.length * static_cast<std::size_t>(rows.together)),
+          stored_(std::make_unique_for_overwrite<Byte[]>(most_)),
+          bytes_(std::make_unique_for_overwrite<Byte[]>(most_)),
+          state_(std::make_unique_for_overwrite<inflate_state>()) {}
+
+    /// The chunk's rows that the photo holds; false where they are damaged.
+    bool read(int chunk) {
+        const int top = rows_.top + chunk * rows_.together;
+        const int bottom = std::min(rows_.bottom, top + rows_.together);
+        const std::size_t length = static_cast<std::size_t>(bottom - top) * rows_.length;
+        const auto stored = load(top, table_.places[static_cast<std::size_t>(chunk)], length);
+        if (!stored) return false;
+        if (*stored < length) {
+            if (!inflate(*stored, length)) return false;
+            sum_up(bytes_.get(), length);
+        } else {  // what would not shrink is stored as it is
+            for (std::size_t i = 0; i < length; ++i)
+                bytes_[i % 2 * half(length) + i / 2] = stored_[i];
+        }
+        const int last = std::min(bottom, first_ + photo_.window.size.height);
+        for (int y = std::max(first_, top); y < last; ++y)
+            unpack(y, static_cast<std::size_t>(y - top), length);
+        return true;
     }
-    const auto width = static_cast<std::size_t>(photo.window.size.width);
-    const std::size_t value = bytes_per_value(photo.type);
-    const std::size_t pixel = value * rows.planes.size();
-    std::vector<std::uint16_t> row;
-    for (int y = first; y < last; ++y, out += pixel * width)
-        for (std::size_t c = 0; c < rows.planes.size(); ++c) {
+
+private:
+    static std::size_t half(std::size_t length) { return (length + 1) / 2; }
+
+    /// Bytes of a chunk as they are in the file, into stored_: at most `length`.
+    std::optional<std::size_t> load(int top, std::uint64_t place, std::size_t length) {
+        // In a file of several parts the part's number; then the first row's, and the length.
+        std::array<std::byte, 12> head;
+        const std::size_t heads = table_.multipart ? 12 : 8;
+        if (!read_at(head.data(), heads, place)) return std::nullopt;
+        const auto row = static_cast<std::int32_t>(little_endian_32(head, heads - 8));
+        const std::size_t stored = little_endian_32(head, heads - 4);
+        if (row != top || stored > length) return std::nullopt;
+        if (!read_at(stored_.get(), stored, place + heads)) return std::nullopt;
+        return stored;
+    }
+
+    bool read_at(void* to, std::size_t count, std::uint64_t place) const {
+        auto* bytes = static_cast<Byte*>(to);
+        while (count > 0) {
+            const ssize_t got = ::pread(file_, bytes, count, static_cast<off_t>(place));
+            if (got < 0 && errno == EINTR) continue;
+            if (got < 0) throw failure(photo_.name, "cannot be read: " + system_reason(errno));
+            if (got == 0) return false;
+            bytes += got;
+            place += static_cast<std::uint64_t>(got);
+            count -= static_cast<std::size_t>(got);
+        }
+        return true;
+    }
+
+    /// The bytes of even places come first, those of odd ones behind them.
+    bool inflate(std::size_t stored, std::size_t length) {
+        ::isal_inflate_init(state_.get());
+        state_->crc_flag = ISAL_ZLIB;
+        state_->next_in = stored_.get();
+        state_->avail_in = static_cast<std::uint32_t>(stored);
+        state_->next_out = bytes_.get();
+        state_->avail_out = static_cast<std::uint32_t>(length);
+        return ::isal_inflate_stateless(state_.get()) == ISAL_DECOMP_OK && state_->avail_out == 0;
+    }
+
+    /// A row of the photo from that row of the chunk.
+    void unpack(int y, std::size_t row, std::size_t length) {
+        const auto width = static_cast<std::size_t>(photo_.window.size.width);
+        const std::size_t value = bytes_per_value(photo_.type);
+        const std::size_t pixel = value * rows_.planes.size();
+        std::byte* out =
+            photo_.pixels.data() + static_cast<std::size_t>(y - first_) * pixel * width;
+        for (std::size_t c = 0; c < rows_.planes.size(); ++c) {
             // All values have two or four bytes, so that they begin at even places.
-            const std::size_t at =
-                (static_cast<std::size_t>(y - top) * rows.length + rows.planes[c]) / 2;
-            join(bytes.data() + at, bytes.data() + half + at, width, value / 2, row,
+            const std::size_t at = (row * rows_.length + rows_.planes[c]) / 2;
+            join(bytes_.get() + at, bytes_.get() + half(length) + at, width, value / 2, words_,
                  out + c * value, pixel);
         }
-    return true;
-}
+    }
+
+    int file_;
+    const ChunkTable& table_;
+    const Rows& rows_;
+    Photo& photo_;
+    int first_;
+    std::size_t most_;
+    std::unique_ptr<Byte[]> stored_, bytes_;
+    std::unique_ptr<inflate_state> state_;
+    std::vector<std::uint16_t> words_;
+};
 
 }  // namespace
 
@@ -138,30 +218,23 @@ bool can_decode_zip(const Imf::Header& header, const std::vector<std::string>& c
         channels, [&](const std::string& name) { return header.channels()[name].type == wanted; });
 }
 
-void decode_zip(Imf::InputPart& part, const std::vector<std::string>& channels, int first,
-                Photo& photo) {
-    const Rows rows = rows_of(part.header(), channels);
+void decode_zip(const Imf::Header& header, const ChunkTable& chunks,
+                const std::vector<std::string>& channels, int first, Photo& photo) {
+    const Rows rows = rows_of(header, channels);
     const int last = first + photo.window.size.height;
     const auto chunk_of = [&](int y) { return (y - rows.top) / rows.together; };
-    const std::size_t row_bytes = bytes_per_value(photo.type) * channels.size() *
-                                  static_cast<std::size_t>(photo.window.size.width);
-    // Some chunks at a time: read one after the other, unpacked side by side.
-    constexpr int kBatch = 32;
-    for (int batch = chunk_of(first); batch <= chunk_of(last - 1); batch += kBatch) {
-        const int count = std::min(kBatch, chunk_of(last - 1) + 1 - batch);
-        const auto top_of = [&](int i) { return rows.top + (batch + i) * rows.together; };
-        std::vector<std::vector<Byte>> chunks;
-        for (int i = 0; i < count; ++i) chunks.push_back(stored_chunk(part, top_of(i)));
-        for_each_band(count, 1, [&](int i, int) {
-            const int from = std::max(first, top_of(i));
-            const int to = std::min(last, top_of(i) + rows.together);
-            if (!unpack(chunks[static_cast<std::size_t>(i)], rows, top_of(i), from, to, photo,
-                        photo.pixels.data() + static_cast<std::size_t>(from - first) * row_bytes))
+    const int begin = chunk_of(first), count = chunk_of(last - 1) + 1 - begin;
+    const InputFile file = open_input(photo.name);
+    // As many rows of single-row chunks as of others.
+    const int grain = 2 * Rows::kMostTogether / rows.together;
+    for_each_band(count, grain, [&](int from, int to) {
+        ChunkReader reader(::fileno(file.get()), chunks, rows, photo, first);
+        for (int i = from; i < to; ++i)
+            if (!reader.read(begin + i))
                 throw failure(
                     photo.name,
                     "damaged: rows of pixels cannot be inflated; copy or render it again");
-        });
-    }
+    });
 }
 
 }  // namespace chromeball::io

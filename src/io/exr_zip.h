@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/photo.h"
+#include "io/exr_chunks.h"
 
 namespace chromeball::io {
 
@@ -14,12 +15,14 @@ namespace chromeball::io {
 bool can_decode_zip(const Imf::Header& header, const std::vector<std::string>& channels,
                     PixelType type);
 
-/// Fills photo.pixels with the rows of its window, as OpenEXR would in two to three times the time:
-/// it inflates with zlib and undoes the differences of bytes through memory.
+/// Fills photo.pixels, from the file of the photo's name, with the rows of its window, as OpenEXR
+/// would in three times the time: it reads chunks one after the other, inflates with zlib and
+/// undoes the differences of bytes through memory.
 ///
-/// first       the window's first row in the file's coordinates
+/// chunks      of the part whose header that is
 /// channels    the photo's channels by their names in the file
-void decode_zip(Imf::InputPart& part, const std::vector<std::string>& channels, int first,
-                Photo& photo);
+/// first       the window's first row in the file's coordinates
+void decode_zip(const Imf::Header& header, const ChunkTable& chunks,
+                const std::vector<std::string>& channels, int first, Photo& photo);
 
 }  // namespace chromeball::io
