@@ -21,6 +21,7 @@
 #include "core/parallel.h"
 #include "io/bytes.h"
 #include "io/input_file.h"
+#include "io/isal.h"
 #include "io/messages.h"
 
 namespace chromeball::io {
@@ -170,7 +171,9 @@ private:
         state_->avail_in = static_cast<std::uint32_t>(stored);
         state_->next_out = bytes_.get();
         state_->avail_out = static_cast<std::uint32_t>(length);
-        return ::isal_inflate_stateless(state_.get()) == ISAL_DECOMP_OK && state_->avail_out == 0;
+        const int result = ::isal_inflate_stateless(state_.get());
+        clear_upper_halves();
+        return result == ISAL_DECOMP_OK && state_->avail_out == 0;
     }
 
     /// A row of the photo from that row of the chunk.

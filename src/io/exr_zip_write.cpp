@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "core/parallel.h"
+#include "io/isal.h"
 
 namespace chromeball::io {
 namespace {
@@ -116,7 +117,9 @@ private:
         stream.avail_in = static_cast<std::uint32_t>(length);
         stream.next_out = deflated_.get();
         stream.avail_out = static_cast<std::uint32_t>(length - 1);
-        if (::isal_deflate(&stream) != COMP_OK) throw std::runtime_error("deflate failed");
+        const int result = ::isal_deflate(&stream);
+        clear_upper_halves();
+        if (result != COMP_OK) throw std::runtime_error("deflate failed");
         const bool all = stream.internal_state.state == ZSTATE_END;
         return all ? stream.total_out : 0;
     }

@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "io/isal.h"
+
 namespace chromeball::io {
 namespace {
 
@@ -99,7 +101,9 @@ DeflatedPart deflate_part(std::span<const std::byte> bytes, bool last) {
         if (used == part.bytes.size()) part.bytes.resize(2 * used);
         stream.next_out = reinterpret_cast<Byte*>(part.bytes.data()) + used;
         stream.avail_out = static_cast<std::uint32_t>(part.bytes.size() - used);
-        if (::isal_deflate(&stream) != COMP_OK) throw std::runtime_error("deflate failed");
+        const int result = ::isal_deflate(&stream);
+        clear_upper_halves();
+        if (result != COMP_OK) throw std::runtime_error("deflate failed");
         used = part.bytes.size() - stream.avail_out;
     } while (stream.avail_out == 0);
     part.bytes.resize(used);
