@@ -78,7 +78,7 @@ struct Shot {
     PhotoOptions photo_options(int frame) const;
     /// The name of this run's file of a stage: machines that have other frames have other files.
     std::string stage_file(const std::string& stage) const;
-    /// All lines of a stage, whoever wrote them.
+    /// All lines of a stage that may tell of the shot's frames, whoever wrote them.
     std::string stage_text(const std::string& stage) const;
     std::string solve_file() const;
 };

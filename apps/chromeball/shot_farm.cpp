@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "console.h"
 #include "core/error.h"
 #include "io/lines.h"
+#include "io/write.h"
 #include "run_program.h"
 #include "shot/farm.h"
+#include "shot/stage_files.h"
 #include "shot/status.h"
 
 namespace chromeball {
@@ -24,31 +25,11 @@ std::vector<std::string> farm_names() {
     return names;
 }
 
-void make_folder(const std::string& path) {
-    std::error_code failed;
-    fs::create_directories(path, failed);
-    if (failed)
-        throw Error(
-            Error::Kind::failed,
-            fmt::format("{}: the folder cannot be made ({}); choose another one with --work", path,
-                        failed.message()));
-}
-
-/// The files of a stage, as their names sort.
-std::vector<std::string> stage_files(const fs::path& folder) {
-    std::vector<std::string> files;
-    std::error_code none;  // a stage that has not begun has no folder
-    for (const auto& entry : fs::directory_iterator(folder, none))
-        if (entry.path().extension() == ".jsonl") files.push_back(entry.path().string());
-    std::sort(files.begin(), files.end());
-    return files;
-}
-
 void tell_status(const std::string& work) {
     ShotStatus status;
     bool begun = fs::is_directory(fs::path(work) / "farm");
     for (const char* stage : {"track", "", "convert"})
-        for (const std::string& file : stage_files(fs::path(work) / stage)) {
+        for (const std::string& file : stage_files((fs::path(work) / stage).string())) {
             status.add(read_text(file));
             begun = true;
         }

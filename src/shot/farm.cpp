@@ -187,9 +187,6 @@ const FarmKind& farm_kind(std::string_view name) {
 }
 
 std::vector<Frames> chunks_of(const Frames& frames, int most) {
-    const auto block_of = [](int frame) {
-        return frame >= 0 ? frame / kKeyInterval : -((kKeyInterval - 1 - frame) / kKeyInterval);
-    };
     std::vector<Frames> chunks;
     for (std::size_t i = 0; i < frames.size();) {
         std::size_t end = i + 1;

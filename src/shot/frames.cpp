@@ -99,9 +99,12 @@ Frames gaps_in(const Frames& frames) {
     return gaps;
 }
 
+int block_of(int frame) {
+    return frame >= 0 ? frame / kKeyInterval : -((kKeyInterval - 1 - frame) / kKeyInterval);
+}
+
 int key_frame(int frame, const std::function<bool(int)>& there) {
-    const int into = ((frame % kKeyInterval) + kKeyInterval) % kKeyInterval;
-    for (int key = frame - into; key < frame; ++key)
+    for (int key = block_of(frame) * kKeyInterval; key < frame; ++key)
         if (there(key)) return key;
     return frame;
 }

@@ -23,6 +23,9 @@ Frames gaps_in(const Frames& frames);
 /// Every so many frame numbers there is a key frame.
 constexpr int kKeyInterval = 16;
 
+/// Which block of so many numbers a frame is in; block n begins with frame n times the interval.
+int block_of(int frame);
+
 /// The key frame from whose outline a frame's search starts: the multiple of 16 at or below it if
 /// that is there, else the lowest number above that multiple which is. The frame itself is taken
 /// to be there. A function of the number and of what plates exist, never of what ran before.
