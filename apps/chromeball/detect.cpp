@@ -76,16 +76,6 @@ void check_pictures(const std::string& target, const std::vector<std::string>& p
     }
 }
 
-/// An 8-bit picture as floats from 0 to 1, as write_image takes it.
-Image as_image(const Photo& photo) {
-    Image image(photo.window.size, 3);
-    const auto* values = reinterpret_cast<const unsigned char*>(photo.pixels.data());
-    float* out = image.row(0);
-    for (std::size_t i = 0; i < photo.window.size.pixels() * 3; ++i)
-        out[i] = static_cast<float>(values[i]) / 255;
-    return image;
-}
-
 /// The photo with the ball drawn on it, with --all every candidate.
 Photo drawn_overlay(const DetectCommand& o, const PhotoJob& job) {
     std::vector<Candidate> shown;
@@ -101,7 +91,7 @@ void write_picture(const std::string& path, const Photo& picture) {
     WriteOptions write;
     write.format = picture_format(path);
     write.bits = 8;
-    write_image(path, as_image(picture).view(), write);
+    write_image(path, drawn_image(picture).view(), write);
 }
 
 void write_crop(const DetectCommand& o, const PhotoJob& job, const MirrorBall& ball,

@@ -19,25 +19,6 @@ using std::numbers::pi;
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
-Outline circle_from(const std::string& text) {
-    const auto n = parse_numbers("--ball", text, {3}, "CX,CY,R");
-    if (!(n[2] > 0)) refuse(fmt::format("--ball {}: the radius must be above 0", text));
-    return {n[0], n[1], n[2], n[2], 0};
-}
-
-Outline ellipse_from(const std::string& text) {
-    const auto n = parse_numbers("--ellipse", text, {5}, "CX,CY,A,B,DEG");
-    if (!(n[2] > 0 && n[3] > 0))
-        refuse(fmt::format("--ellipse {}: the semi-axes must be above 0", text));
-    Outline e{n[0], n[1], n[2], n[3], n[4]};
-    if (e.a < e.b) {
-        std::swap(e.a, e.b);
-        e.angle += 90;
-    }
-    e.angle = std::fmod(std::fmod(e.angle, 180) + 180, 180);
-    return e;
-}
-
 /// How far an outline reaches beyond the picture, as a part of its own width and height.
 V2d beyond_edges(const Outline& e, Size picture) {
     const double c = std::cos(e.angle * pi / 180), s = std::sin(e.angle * pi / 180);
@@ -122,7 +103,9 @@ FoundBall told_ball(const Photo& photo, const PhotoOptions& options) {
     ball.found = true;
     ball.circle_given = options.ball.has_value();
     ball.how = options.ball ? "--ball" : "--ellipse";
-    ball.outline = options.ball ? circle_from(*options.ball) : ellipse_from(*options.ellipse);
+    ball.outline = options.ball
+                       ? parse_outline("--ball", *options.ball, {3}, "CX,CY,R")
+                       : parse_outline("--ellipse", *options.ellipse, {5}, "CX,CY,A,B,DEG");
     check_inside(ball.outline, photo,
                  fmt::format("{} {}", ball.how, options.ball ? *options.ball : *options.ellipse));
     return ball;
@@ -142,6 +125,30 @@ FoundBall searched_ball(const Photo& photo, const CameraChoice& camera, const Ph
 }
 
 }  // namespace
+
+Outline parse_outline(std::string_view option, std::string_view value,
+                      std::initializer_list<std::size_t> counts, std::string_view form) {
+    const auto n = parse_numbers(option, value, counts, form);
+    const bool circle = n.size() == 3;
+    Outline e{n[0], n[1], n[2], circle ? n[2] : n[3], circle ? 0 : n[4]};
+    if (!(e.a > 0 && e.b > 0))
+        refuse(fmt::format("{} {}: the {} must be above 0", option, value,
+                           circle ? "radius" : "semi-axes"));
+    if (e.a < e.b) {
+        std::swap(e.a, e.b);
+        e.angle += 90;
+    }
+    e.angle = std::fmod(std::fmod(e.angle, 180) + 180, 180);
+    return e;
+}
+
+std::string unknown_lens_warning(const std::string& name, std::string_view more) {
+    return fmt::format(
+        "{}: the focal length is not known, the camera is taken as infinitely far away; directions "
+        "may be off by degrees: give --focal-mm and --sensor-mm, --hfov, --focal-px{} or "
+        "--distance-radii",
+        name, more);
+}
 
 Outline told_outline(const Photo& photo, const PhotoOptions& options) {
     return told_ball(photo, options).outline;
@@ -200,13 +207,7 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
                             path));
     }
     if (!job.camera.note.empty() && job.ball.found) job.warnings.push_back(job.camera.note);
-    if (!job.camera.told && job.ball.found)
-        job.warnings.push_back(
-            fmt::format("{}: the focal length is not known, the camera is taken as infinitely far "
-                        "away; directions may be "
-                        "off by degrees: give --focal-mm and --sensor-mm, --hfov, --focal-px or "
-                        "--distance-radii",
-                        path));
+    if (!job.camera.told && job.ball.found) job.warnings.push_back(unknown_lens_warning(path));
     return job;
 }
 
@@ -221,6 +222,14 @@ Error no_ball(const PhotoJob& job, double threshold) {
         way_out = fmt::format("it is a map: convert it with --from {}", past->layout);
     return {Error::Kind::no_ball,
             fmt::format("{}: no mirror ball found ({}); {}", job.photo.name, best, way_out)};
+}
+
+Image drawn_image(const Photo& picture) {
+    Image image(picture.window.size, 3);
+    const auto* values = reinterpret_cast<const unsigned char*>(picture.pixels.data());
+    std::transform(values, values + picture.window.size.pixels() * 3, image.row(0),
+                   [](unsigned char value) { return static_cast<float>(value) / 255; });
+    return image;
 }
 
 double lens_blur(const Candidate& candidate) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "camera_choice.h"
@@ -38,6 +40,16 @@ struct PhotoJob {
 /// not found is an answer: job.ball.found. Throws Error for bad files and contradicting options.
 PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch);
 
+/// The outline that the numbers of an option's value tell: CX,CY,R or CX,CY,A,B,DEG, as many as one
+/// of `counts`; of an ellipse the axes may come in either order. Throws Error (usage), which shows
+/// `form`.
+Outline parse_outline(std::string_view option, std::string_view value,
+                      std::initializer_list<std::size_t> counts, std::string_view form);
+
+/// The one line on a camera that is taken as infinitely far away. more: another way out, as
+/// ", --cameras".
+std::string unknown_lens_warning(const std::string& name, std::string_view more = "");
+
 /// The outline that --ball or --ellipse tells of a photo. Throws Error (usage) where it lies
 /// outside.
 Outline told_outline(const Photo& photo, const PhotoOptions& options);
@@ -47,6 +59,9 @@ DetectOptions search_options(const PhotoOptions& options, const CameraChoice& ca
 
 /// The error for a photo whose ball was not found: status 4, with the way out.
 Error no_ball(const PhotoJob& job, double threshold);
+
+/// What was drawn to be looked at (an overlay, a contact sheet: 8 bits, 3 channels), 0 to 1.
+Image drawn_image(const Photo& picture);
 
 /// How much the lens blurs the rim, pixels, beyond what pixels themselves do.
 double lens_blur(const Candidate& candidate);

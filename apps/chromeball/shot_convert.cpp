@@ -180,10 +180,7 @@ private:
         job.ball.how = "solved";
         if (!job.camera.note.empty()) job.warnings.push_back(job.camera.note);
         if (!job.camera.told)
-            job.warnings.push_back(
-                "the focal length is not known, the camera is taken as infinitely far away; "
-                "directions may be off by degrees: give --focal-mm and --sensor-mm, --hfov, "
-                "--focal-px, --distance-radii or --cameras");
+            job.warnings.push_back(unknown_lens_warning(job.photo.name, ", --cameras"));
         return job;
     }
 

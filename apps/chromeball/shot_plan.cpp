@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <thread>
 
 #include "camera_choice.h"
@@ -10,6 +11,7 @@
 #include "io/write.h"
 #include "numbers.h"
 #include "shot.h"
+#include "shot/stage_files.h"
 #include "version.h"
 
 namespace chromeball {
@@ -46,15 +48,12 @@ void add_key(std::map<int, Outline>& keys, const std::string& text) {
     const auto colon = text.find(':');
     const std::string form = "FRAME:CX,CY,R";
     if (colon == std::string::npos) refuse(fmt::format("--key {}: expected {}", text, form));
-    const auto frame = parse_numbers("--key", text.substr(0, colon), {1}, form);
-    const auto n = parse_numbers("--key", text.substr(colon + 1), {3, 5}, form);
-    if (frame[0] != static_cast<int>(frame[0]) || frame[0] < 0)
-        refuse(fmt::format("--key {}: {} is no frame number", text, frame[0]));
-    if (!(n[2] > 0 && (n.size() == 3 || n[3] > 0)))
-        refuse(fmt::format("--key {}: the radius must be above 0", text));
-    Outline outline{n[0], n[1], n[2], n[2], 0};
-    if (n.size() == 5) outline = {n[0], n[1], std::max(n[2], n[3]), std::min(n[2], n[3]), n[4]};
-    keys[static_cast<int>(frame[0])] = outline;
+    const std::string number = text.substr(0, colon);
+    const double frame = parse_numbers("--key", number, {1}, form).front();
+    if (frame < 0 || frame > std::numeric_limits<int>::max() || frame != std::floor(frame))
+        refuse(fmt::format("--key {}: {} is no frame number", text, number));
+    keys[static_cast<int>(frame)] =
+        parse_outline(fmt::format("--key {}:", number), text.substr(colon + 1), {3, 5}, form);
 }
 
 SolveOptions solve_options(const ShotOptions& o) {
@@ -93,7 +92,7 @@ FramePattern output_pattern(const ShotOptions& o) {
 void check_folder(const Shot& shot) {
     // Of folders with a number in their names the one above all.
     const std::string folder = shot.output->folder();
-    if (!folder.empty()) make_folder(folder);
+    make_folder(folder);
     const std::string name = fs::path(shot.output->text()).filename().string();
     check_target((fs::path(folder) / name).string());
 }
@@ -219,21 +218,12 @@ PhotoOptions Shot::photo_options(int frame) const {
 }
 
 std::string Shot::stage_file(const std::string& stage) const {
-    // Lists of frames may be longer than a file's name: their hash stands for them.
-    std::string part = text_of(frames);
-    if (part.size() > 64)
-        part = fmt::format("{}-{}-{}", frames.front(), frames.back(), hash_of(part));
-    return (fs::path(work) / stage / (part + ".jsonl")).string();
+    return (fs::path(work) / stage / stage_file_name(frames)).string();
 }
 
 std::string Shot::stage_text(const std::string& stage) const {
-    std::vector<std::string> files;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(fs::path(work) / stage, error))
-        if (entry.path().extension() == ".jsonl") files.push_back(entry.path().string());
-    std::sort(files.begin(), files.end());
     std::string text;
-    for (const std::string& file : files) {
+    for (const std::string& file : stage_files((fs::path(work) / stage).string(), frames)) {
         text += read_text(file);
         if (!text.empty() && text.back() != '\n') text += '\n';  // torn: no record by itself
     }
@@ -266,8 +256,8 @@ std::unique_ptr<Shot> plan_shot(const ShotOptions& o) {
     if (o.photo.cropped && shot->plates->is_clip())
         refuse("--cropped goes with pictures, not with a film clip");
     shot->frames = asked_frames(o, *shot->plates, shot->console);
-    check_folder(*shot);
     check_inputs_are_safe(*shot);
+    check_folder(*shot);
     check_reports(*shot);
     shot->jobs =
         o.jobs > 0 ? o.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

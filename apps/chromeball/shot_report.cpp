@@ -7,6 +7,7 @@
 #include "detect/detect.h"
 #include "io/lines.h"
 #include "io/write.h"
+#include "photo_job.h"
 #include "shot.h"
 #include "shot/workers.h"
 #include "stop.h"
@@ -67,36 +68,27 @@ FrameReport report_of_frame(int frame, const SolvedShot& solved,
     return report;
 }
 
-/// An 8-bit picture as the bytes of a PNG, by way of a file in the work folder.
-std::string png_of(const Photo& picture, const std::string& file) {
-    Image image(picture.window.size, 3);
-    const auto* values = reinterpret_cast<const unsigned char*>(picture.pixels.data());
-    for (std::size_t i = 0; i < picture.window.size.pixels() * 3; ++i)
-        image.row(0)[i] = static_cast<float>(values[i]) / 255;
+std::string png_of(const Photo& picture) {
     WriteOptions write;
     write.format = FileFormat::png;
     write.bits = 8;
-    write_image(file, image.view(), write);
-    std::string bytes = read_text(file);
-    fs::remove(file);
-    return bytes;
+    const auto bytes = encode_image(drawn_image(picture).view(), write);
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 /// Small pictures of a frame's plate, with its outline, and of its map.
 void add_pictures(const Shot& shot, FrameReport& frame, bool plate) {
-    const std::string file =
-        (fs::path(shot.work) / fmt::format("picture.{}.png", frame.frame)).string();
     try {
         if (plate && shot.plates->has(frame.frame)) {
             const Photo photo =
                 shot.plates->read(frame.frame, {shot.options.photo.max_pixels, std::nullopt});
             std::vector<Candidate> shown;
             if (frame.outline) shown.push_back({*frame.outline, {}, frame.confidence, 1, 0});
-            frame.thumbnail = png_of(thumbnail(overlay(photo, shown, 0)), file);
+            frame.thumbnail = png_of(thumbnail(overlay(photo, shown, 0)));
         }
         const OutputPlan plan = shot.plan_of(frame.frame);
         const std::string map = plan.layout->separate_faces ? plan.face_files()[0] : plan.path;
-        if (fs::exists(map)) frame.probe = png_of(thumbnail(overlay(read_photo(map), {}, 0)), file);
+        if (fs::exists(map)) frame.probe = png_of(thumbnail(overlay(read_photo(map), {}, 0)));
     } catch (const Error& e) {
         // A picture that cannot be made is only not shown.
         if (e.kind() == Error::Kind::interrupted) throw;
