@@ -291,6 +291,25 @@ void check_spec(const std::string& path, const ImageSpec& spec, std::int64_t max
         throw failure(path, "claims tiles larger than the pixels allowed; damaged");
 }
 
+void check_decoded(const std::string& path, const ImageInput& input, bool good) {
+    const std::string reason = input.geterror();
+    if (!good || !reason.empty())
+        throw failure(path, fmt::format("truncated or damaged: {}; copy or export it again",
+                                        reason.empty() ? "its pixels cannot be decoded" : reason));
+}
+
+/// A file that ends early is refused whichever rows are wanted. Where a look at its structure has
+/// not told that, its outermost rows do, the last one first: decoders that go from the top reach it
+/// over all others.
+void check_outermost_rows(const std::string& path, const FileProbe& probe, ImageInput& input,
+                          const ImageSpec& spec) {
+    if (probe.plugin == "tiff" || probe.plugin == "jpeg" || probe.plugin == "png") return;
+    PixelBytes row;
+    for (const int y : {spec.height - 1, 0})
+        check_decoded(path, input,
+                      read_rows(input, spec, y, y + 1, spec.format, row, spec.scanline_bytes()));
+}
+
 void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& spec, int first,
                    int last, Photo& photo) {
     const std::vector<int> chosen = select_channels(spec);
@@ -299,10 +318,7 @@ void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& 
         value * static_cast<std::size_t>(spec.nchannels) * static_cast<std::size_t>(spec.width);
     const bool good =
         read_rows(input, spec, first, last, type_desc_of(photo.type), photo.pixels, row_bytes);
-    const std::string reason = input.geterror();
-    if (!good || !reason.empty())
-        throw failure(path, fmt::format("truncated or damaged: {}; copy or export it again",
-                                        reason.empty() ? "its pixels cannot be decoded" : reason));
+    check_decoded(path, input, good);
     if (!keeps_all(chosen, spec.nchannels))
         keep_channels(photo.pixels, chosen, spec.nchannels, value);
 }
@@ -314,6 +330,7 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
         check_size(path, claimed->first, claimed->second, request.max_pixels);
     if (probe.plugin == "jpeg" && !request.header_only) check_jpeg_is_whole(path, probe.size);
     if (probe.plugin == "png" && !request.header_only) check_png_is_whole(path);
+    if (probe.plugin == "tiff" && !request.header_only) check_tiff_is_whole(path, probe.size);
     const auto input = open(path, probe);
     const ImageSpec spec = input->spec();
     check_spec(path, spec, request.max_pixels);
@@ -326,6 +343,8 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     photo.window.size.height = last - first;
     if (!request.header_only && first < last)
         decode_pixels(path, *input, spec, first - top, last - top, photo);
+    if (!request.header_only && last - first < spec.height)
+        check_outermost_rows(path, probe, *input, spec);
     make_upright(photo, orientation);
     return photo;
 }

@@ -37,6 +37,9 @@ void check_jpeg_is_whole(const std::string& path, std::size_t size);
 /// The same for a PNG without its end: the decoder stops at the last pixel, or before it.
 void check_png_is_whole(const std::string& path);
 
+/// The same for a TIFF whose strips or tiles lie beyond its end. `size` is the file's.
+void check_tiff_is_whole(const std::string& path, std::size_t size);
+
 /// Whether a PNG says outright that it is sRGB (its sRGB chunk).
 bool png_says_srgb(std::span<const std::byte> head);
 
