@@ -10,5 +10,6 @@ void add_detect(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
 void add_shot(CLI::App& app);
+void add_merge(CLI::App& app);
 
 }  // namespace chromeball

@@ -93,6 +93,23 @@ std::string to_json(const std::vector<DetectReport>& reports, bool lines) {
     return text_of(all, 2) + '\n';
 }
 
+std::string to_json(const MergeReport& r) {
+    Json photos = Json::array();
+    for (const MergedPhotoReport& p : r.photos) {
+        photos.push_back(
+            {{"file", p.file},
+             {"exposure_stops", rounded(p.exposure_stops, 1e4)},
+             {"told_stops", p.told_stops ? Json(rounded(*p.told_stops, 1e4)) : Json(nullptr)},
+             {"shift", {rounded(p.shift_x, 1e3), rounded(p.shift_y, 1e3)}},
+             {"moved", rounded(p.moved, 1e4)}});
+    }
+    const Json j{{"photos", photos},
+                 {"clipped_everywhere", r.clipped_everywhere},
+                 {"black_everywhere", r.black_everywhere},
+                 {"response", r.response}};
+    return text_of(j, 2) + '\n';
+}
+
 std::string to_json(const InfoReport& r) {
     Json j{{"file", r.file},         {"width", r.size.width}, {"height", r.size.height},
            {"channels", r.channels}, {"type", r.type},        {"color_space", r.color_space}};

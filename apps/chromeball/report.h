@@ -30,6 +30,24 @@ struct DetectReport {
 /// The contract's JSON: one object for one photo, an array for several, or an object a line.
 std::string to_json(const std::vector<DetectReport>& reports, bool lines);
 
+/// What became of one exposure of `merge`.
+struct MergedPhotoReport {
+    std::string file;
+    double exposure_stops = 0;          ///< brighter than the output's unit
+    std::optional<double> told_stops;   ///< the same as its tags or --times have it
+    double shift_x = 0, shift_y = 0;    ///< what the result shows at p lies at p + shift in it
+    double moved = 0;                   ///< part of the picture in which it does not count
+};
+
+struct MergeReport {
+    std::vector<MergedPhotoReport> photos;  ///< as given
+    std::size_t clipped_everywhere = 0;
+    std::size_t black_everywhere = 0;
+    std::string response;  ///< "linear", "assumed", "solved"
+};
+
+std::string to_json(const MergeReport& report);
+
 /// What `info` tells, in its order.
 struct InfoReport {
     std::string file;

@@ -1,0 +1,342 @@
+#include "light/align.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "core/luminance.h"
+#include "core/parallel.h"
+
+namespace chromeball {
+namespace {
+
+/// What is compared: the light's logarithm, and how much it is worth (one over its variance; 0
+/// where it is clipped, black or outside).
+struct Raster {
+    Size size;
+    std::vector<float> value, weight;
+
+    explicit Raster(Size s = {}) : size(s), value(s.pixels()), weight(s.pixels()) {}
+    std::size_t at(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+               static_cast<std::size_t>(x);
+    }
+};
+
+/// Finer than this is not worth the time: shifts are found to hundredths of a raster's pixel.
+constexpr int kLongest = 1600;
+constexpr int kCoarsest = 40;
+// Parts of white between which light counts.
+constexpr float kHighest = 0.9f;
+
+/// Nothing, where a channel clips or all are in the noise.
+void add_pixel(const ExposedPhoto& photo, const Response& response, const float* stored,
+               double& light, double& count, bool& clipped) {
+    const float white = static_cast<float>(photo.white);
+    float linear[3];
+    for (int c = 0; c < 3; ++c) {
+        clipped = clipped || !(stored[c] < kHighest * white);
+        linear[c] = response.light(stored[c]);
+    }
+    light += luminance(linear);
+    count += 1;
+}
+
+/// A part of the photo, means of factor x factor pixels.
+Raster raster_of(const ExposedPhoto& photo, const Response& response, const Window& region,
+                 int factor) {
+    Raster raster({region.size.width / factor, region.size.height / factor});
+    for_each_band(raster.size.height, 16, [&](int first, int last) {
+        Image rows({photo.size.width, factor}, 3);
+        for (int y = first; y < last; ++y) {
+            const int top = region.y + y * factor;
+            if (top < 0 || top + factor > photo.size.height) continue;
+            photo.read(top, top + factor, rows.view());
+            for (int x = 0; x < raster.size.width; ++x) {
+                const int left = region.x + x * factor;
+                if (left < 0 || left + factor > photo.size.width) continue;
+                double light = 0, count = 0;
+                bool clipped = false;
+                for (int j = 0; j < factor; ++j)
+                    for (int i = 0; i < factor; ++i)
+                        add_pixel(photo, response, rows.pixel(left + i, j), light, count, clipped);
+                light /= count;
+                if (clipped || !(light > 0)) continue;
+                // A curve's slope is about its light's ratio here; good enough for a weight.
+                const double slope = response.is_linear() ? 1 : std::max(0.08, 2.2 * light);
+                const double variance = noise_variance(photo, light, slope) / (light * light);
+                constexpr double kFlat = 1e-3;  // never surer than 3 %
+                raster.value[raster.at(x, y)] = static_cast<float>(std::log(light));
+                raster.weight[raster.at(x, y)] = static_cast<float>(1 / (variance + kFlat));
+            }
+        }
+    });
+    return raster;
+}
+
+Raster half(const Raster& fine) {
+    Raster coarse({fine.size.width / 2, fine.size.height / 2});
+    for (int y = 0; y < coarse.size.height; ++y)
+        for (int x = 0; x < coarse.size.width; ++x) {
+            float sum = 0, weight = 0;
+            int used = 0;
+            for (int j = 0; j < 2; ++j)
+                for (int i = 0; i < 2; ++i) {
+                    const std::size_t at = fine.at(2 * x + i, 2 * y + j);
+                    if (!(fine.weight[at] > 0)) continue;
+                    sum += fine.weight[at] * fine.value[at];
+                    weight += fine.weight[at];
+                    ++used;
+                }
+            if (used < 3) continue;
+            coarse.value[coarse.at(x, y)] = sum / weight;
+            coarse.weight[coarse.at(x, y)] = weight / static_cast<float>(used);
+        }
+    return coarse;
+}
+
+/// Binomial means along one axis, of what counts.
+Raster smoothed(const Raster& raster, int dx, int dy) {
+    constexpr float kWeights[] = {1, 4, 6, 4, 1};
+    Raster out(raster.size);
+    for (int y = 0; y < raster.size.height; ++y)
+        for (int x = 0; x < raster.size.width; ++x) {
+            const std::size_t at = raster.at(x, y);
+            if (!(raster.weight[at] > 0)) continue;
+            float sum = 0, total = 0, count = 0;
+            for (int i = -2; i <= 2; ++i) {
+                const int u = x + i * dx, v = y + i * dy;
+                if (u < 0 || v < 0 || u >= raster.size.width || v >= raster.size.height) continue;
+                const std::size_t there = raster.at(u, v);
+                const float w = kWeights[i + 2] * raster.weight[there];
+                if (!(w > 0)) continue;
+                sum += w * raster.value[there];
+                total += w;
+                count += kWeights[i + 2];
+            }
+            // Lopsided beside what is clipped: means of different places.
+            if (count < 16) continue;
+            out.value[at] = sum / total;
+            out.weight[at] = total / count;
+        }
+    return out;
+}
+
+/// Smooth, since between noisy pixels a mean of two is less noisy, which draws shifts to halves.
+std::vector<Raster> pyramid(Raster finest) {
+    std::vector<Raster> levels;
+    levels.push_back(std::move(finest));
+    while (std::max(levels.back().size.width, levels.back().size.height) >= 2 * kCoarsest)
+        levels.push_back(half(levels.back()));
+    for (Raster& level : levels) level = smoothed(smoothed(level, 1, 0), 0, 1);
+    return levels;
+}
+
+/// What a raster says at a place between pixels, and its slopes.
+struct Sample {
+    double value, dx, dy, weight;
+};
+
+/// Bilinear, weight 0 where a neighbour is missing.
+Sample sample(const Raster& r, double x, double y) {
+    const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= r.size.width || y0 + 1 >= r.size.height) return {0, 0, 0, 0};
+    const std::size_t at = r.at(x0, y0), below = r.at(x0, y0 + 1);
+    const float least =
+        std::min({r.weight[at], r.weight[at + 1], r.weight[below], r.weight[below + 1]});
+    if (!(least > 0)) return {0, 0, 0, 0};
+    const double u = x - x0, v = y - y0;
+    const auto a = static_cast<double>(r.value[at]), b = static_cast<double>(r.value[at + 1]);
+    const auto c = static_cast<double>(r.value[below]), d = static_cast<double>(r.value[below + 1]);
+    return {(1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d),
+            (1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b),
+            static_cast<double>(least)};
+}
+
+/// Of one photo on another: shift in the raster's pixels and the difference in exposure.
+struct Fit {
+    V2d shift{0, 0};
+    double offset = 0;       ///< natural logarithm, other less reference
+    double deviation = 1e9;  ///< of the shift, pixels
+    double spread = 0.3;     ///< of what does not fit, natural logarithm
+    std::size_t pixels = 0;
+};
+
+/// One step of Gauss and Newton; false where the rasters share too little.
+bool improve(const Raster& reference, const Raster& other, Fit& fit) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    double squares = 0, total = 0;
+    std::size_t pixels = 0;
+    for (int y = 0; y < reference.size.height; ++y)
+        for (int x = 0; x < reference.size.width; ++x) {
+            const std::size_t at = reference.at(x, y);
+            if (!(reference.weight[at] > 0)) continue;
+            const Sample s = sample(other, x + fit.shift.x, y + fit.shift.y);
+            if (!(s.weight > 0)) continue;
+            const double off = s.value - static_cast<double>(reference.value[at]) - fit.offset;
+            const double far = off / (2 * fit.spread);
+            const double weight = 1 / (1 / s.weight + 1 / static_cast<double>(reference.weight[at])) /
+                                  (1 + far * far) / (1 + far * far);
+            const Eigen::Vector3d row(s.dx, s.dy, -1);
+            normal += weight * row * row.transpose();
+            right -= weight * off * row;
+            squares += weight * off * off;
+            total += weight;
+            ++pixels;
+        }
+    fit.pixels = pixels;
+    constexpr std::size_t kFewest = 200;
+    if (pixels < kFewest || !(normal(0, 0) > 0 && normal(1, 1) > 0)) return false;
+    normal += 1e-9 * normal.trace() * Eigen::Matrix3d::Identity();
+    const auto factors = normal.ldlt();
+    const Eigen::Vector3d change = factors.solve(right);
+    if (!change.allFinite()) return false;
+    // No further than the slopes reach.
+    const double length = std::hypot(change[0], change[1]);
+    const double part = length > 2 ? 2 / length : 1;
+    fit.shift += V2d(change[0], change[1]) * part;
+    fit.offset += change[2];
+    fit.spread = std::max(0.01, std::sqrt(squares / total));
+    const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
+    // Residuals of neighbouring pixels go together, as edges do.
+    constexpr double kTogether = 16;
+    fit.deviation = std::sqrt(kTogether * (inverse(0, 0) + inverse(1, 1)) * squares / total *
+                              total / static_cast<double>(pixels));
+    return true;
+}
+
+/// How badly two rasters fit at a whole-pixel shift: spread of the difference, robustly.
+double misfit(const Raster& reference, const Raster& other, int dx, int dy,
+              std::vector<float>& differences) {
+    differences.clear();
+    std::size_t shown = 0;
+    for (int y = 0; y < reference.size.height; ++y)
+        for (int x = 0; x < reference.size.width; ++x) {
+            const std::size_t at = reference.at(x, y);
+            if (!(reference.weight[at] > 0)) continue;
+            ++shown;
+            const int i = x + dx, j = y + dy;
+            if (i < 0 || j < 0 || i >= other.size.width || j >= other.size.height) continue;
+            const std::size_t there = other.at(i, j);
+            if (!(other.weight[there] > 0)) continue;
+            differences.push_back(other.value[there] - reference.value[at]);
+        }
+    if (differences.size() < 60 || differences.size() < shown / 4)
+        return std::numeric_limits<double>::infinity();
+    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+    std::nth_element(differences.begin(), middle, differences.end());
+    const double median = static_cast<double>(*middle);
+    double sum = 0;
+    for (const float d : differences)
+        sum += std::min(0.5, std::abs(static_cast<double>(d) - median));
+    return sum / static_cast<double>(differences.size());
+}
+
+/// The best whole-pixel shift at the coarsest level.
+V2d coarse_shift(const Raster& reference, const Raster& other) {
+    const int reach = std::max(reference.size.width, reference.size.height) / 6;
+    std::vector<float> differences;
+    V2d best(0, 0);
+    double least = misfit(reference, other, 0, 0, differences);
+    for (int dy = -reach; dy <= reach; ++dy)
+        for (int dx = -reach; dx <= reach; ++dx) {
+            const double one = misfit(reference, other, dx, dy, differences);
+            if (one < least) least = one, best = V2d(dx, dy);
+        }
+    return best;
+}
+
+/// Other on reference, in the finest level's pixels; nothing where they share too little.
+std::optional<Fit> fit(const std::vector<Raster>& reference, const std::vector<Raster>& other,
+                       const std::optional<V2d>& hint) {
+    Fit now;
+    int level = static_cast<int>(reference.size()) - 1;
+    if (hint) {
+        level = std::min(level, 3);  // 2 pixels are a quarter there
+        now.shift = *hint / std::exp2(level);
+    } else {
+        now.shift = coarse_shift(reference.back(), other.back());
+    }
+    bool good = false;
+    for (; level >= 0; --level) {
+        const auto& a = reference[static_cast<std::size_t>(level)];
+        const auto& b = other[static_cast<std::size_t>(level)];
+        Fit here = now;
+        here.spread = 0.3;
+        good = true;
+        for (int i = 0; i < 12 && good; ++i) {
+            const V2d before = here.shift;
+            good = improve(a, b, here);
+            if (good && (here.shift - before).length() < 1e-3 && i > 3) break;
+        }
+        if (good) now = here;
+        if (level > 0) now.shift *= 2;
+    }
+    return good ? std::optional(now) : std::nullopt;
+}
+
+Window everything(Size size) { return {0, 0, size}; }
+
+}  // namespace
+
+std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<const int> order,
+                             int reference, const Response& response, const AlignOptions& options,
+                             const Watch& watch) {
+    assert(order.size() == photos.size());
+    assert(options.hints.empty() || options.hints.size() == photos.size());
+    const Size size = photos.front().size;
+    const Window region = options.region.value_or(everything(size));
+    const int factor =
+        1 + (std::max(region.size.width, region.size.height) - 1) / kLongest;
+    std::vector<std::vector<Raster>> levels(photos.size());
+    for (std::size_t k = 0; k < photos.size(); ++k) {
+        levels[k] = pyramid(raster_of(photos[k], response, region, factor));
+        watch.check();
+    }
+    const auto hint = [&](int photo) -> std::optional<V2d> {
+        if (options.hints.empty()) return std::nullopt;
+        return options.hints[static_cast<std::size_t>(photo)];
+    };
+    // Each photo on its neighbour on the reference's side.
+    const auto middle = std::ranges::find(order, reference) - order.begin();
+    std::vector<std::optional<Fit>> fits(photos.size());
+    const auto count = static_cast<int>(order.size());
+    for_each_band(
+        count, 1,
+        [&](int i, int) {
+            if (i == middle) return;
+            const int photo = order[static_cast<std::size_t>(i)];
+            const int neighbour = order[static_cast<std::size_t>(i < middle ? i + 1 : i - 1)];
+            const auto here = hint(photo), there = hint(neighbour);
+            std::optional<V2d> between;
+            if (here && there) between = (*here - *there) / factor;
+            fits[static_cast<std::size_t>(i)] = fit(levels[static_cast<std::size_t>(neighbour)],
+                                                    levels[static_cast<std::size_t>(photo)], between);
+        },
+        watch);
+    std::vector<Alignment> found(photos.size());
+    found[static_cast<std::size_t>(reference)].measured = true;
+    const auto follow = [&](std::ptrdiff_t i, std::ptrdiff_t from) {
+        const auto photo = static_cast<std::size_t>(order[static_cast<std::size_t>(i)]);
+        const auto& neighbour =
+            found[static_cast<std::size_t>(order[static_cast<std::size_t>(from)])];
+        const auto& one = fits[static_cast<std::size_t>(i)];
+        constexpr double kUnsure = 0.5;
+        if (one && one->deviation * factor < kUnsure) {
+            found[photo] = {neighbour.shift + one->shift * factor,
+                            std::hypot(neighbour.deviation, one->deviation * factor), true};
+        } else {
+            const auto known = hint(static_cast<int>(photo));
+            found[photo] = {known.value_or(neighbour.shift), 0, known.has_value()};
+        }
+    };
+    for (std::ptrdiff_t i = middle - 1; i >= 0; --i) follow(i, i + 1);
+    for (std::ptrdiff_t i = middle + 1; i < count; ++i) follow(i, i - 1);
+    return found;
+}
+
+}  // namespace chromeball
