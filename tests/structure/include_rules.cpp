@@ -59,7 +59,7 @@ const Door kDoors[] = {
     {"tbb/", {"core", "resample"}},
     {"oneapi/", {"core", "resample"}},
     {"hwy/", {"resample"}},
-    {"fmt/", {"io", "color", "detect", "light", "shot", "apps"}},
+    {"fmt/", {"io", "color", "detect", "light", "shot", "render", "apps"}},
 };
 
 /// The system's own headers have ".h" names; the standard library's have none.
@@ -67,7 +67,8 @@ bool is_standard(std::string_view name) {
     return name.find('.') == std::string_view::npos && name.find('/') == std::string_view::npos;
 }
 
-/// POSIX: files and folders in io, the terminal and signals in apps; core asks for pages.
+/// POSIX: files and folders in io, the terminal and signals in apps; core asks for pages and loads
+/// modules.
 bool is_system(std::string_view name) {
     static const Names files = {"dlfcn.h",  "fcntl.h",   "unistd.h",
                                 "signal.h", "termios.h", "spawn.h"};
@@ -82,7 +83,7 @@ std::string folder_of(std::string_view path) {
 
 std::string refused_header(const std::string& folder, std::string_view name) {
     if (is_standard(name)) return "";
-    if (folder == "core" && name == "sys/mman.h") return "";
+    if (folder == "core" && (name == "sys/mman.h" || name == "dlfcn.h")) return "";
     if (is_system(name))
         return folder == "io" || folder == "apps" ? "" : "system headers are for io and apps";
     for (const Door& door : kDoors)
