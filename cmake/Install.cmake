@@ -15,7 +15,7 @@ endforeach()
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/chromeball)
 install(TARGETS ${targets} EXPORT chromeball ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS chromeball_oiio LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/chromeball)
+install(TARGETS chromeball_oiio chromeball_render_module LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/chromeball)
 install(EXPORT chromeball NAMESPACE chromeball:: FILE chromeballTargets.cmake DESTINATION ${package_dir})
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/chromeballConfig.cmake.in
     ${PROJECT_BINARY_DIR}/chromeballConfig.cmake INSTALL_DESTINATION ${package_dir})

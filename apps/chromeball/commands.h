@@ -11,5 +11,6 @@ void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
 void add_shot(CLI::App& app);
 void add_merge(CLI::App& app);
+void add_preview(CLI::App& app);
 
 }  // namespace chromeball

@@ -18,11 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Guess {
-    const Layout* layout = nullptr;
-    std::string sureness;
-};
-
 std::string_view type_name(PixelType type) {
     switch (type) {
         case PixelType::u8:
@@ -37,13 +32,24 @@ std::string_view type_name(PixelType type) {
     return "";
 }
 
-Guess guess_layout(const Photo& photo, const Image& pixels) {
+/// What `info` tells of a measured picture.
+void tell(const MapMeasure& measure, InfoReport& report) {
+    report.mean_radiance = measure.mean;
+    if (measure.highest > 0) report.range_stops = std::log2(measure.highest / measure.lowest);
+    report.maximum = measure.highest;
+    report.over_sphere = measure.covered_steradians.has_value();
+    report.covered_steradians = measure.covered_steradians;
+}
+
+}  // namespace
+
+LayoutGuess guess_layout(const Photo& photo, const Image* pixels) {
+    const Size size = pixels ? pixels->size() : photo.display;
     const auto past = provenance_from(photo.metadata);
     if (past && !past->layout.empty())
         if (const Layout* layout = find_layout(past->layout.substr(0, past->layout.find(' '))))
-            if (pixels.size() == layout->picture(pixels.width() / layout->width_units))
+            if (size == layout->picture(size.width / layout->width_units))
                 return {layout, "certain: chromeball wrote it"};
-    const Size size = pixels.size();
     const auto fits = [&](std::string_view name) {
         const Layout* layout = find_layout(name);
         return size == layout->picture(size.width / layout->width_units) &&
@@ -59,28 +65,17 @@ Guess guess_layout(const Photo& photo, const Image& pixels) {
     if (fits("openexr")) return {find_layout("openexr"), "likely: six squares in a column"};
     if (fits("strip-h")) return {find_layout("strip-h"), "likely: six squares in a row"};
     for (const std::string_view name : {"cross-h", "cross-v"})
-        if (fits(name) && empty_parts_are_empty(pixels, *find_layout(name)))
+        if (pixels && fits(name) && empty_parts_are_empty(*pixels, *find_layout(name)))
             return {find_layout(name),
                     "likely: by its shape, and the corners of the cross are empty"};
-    if (size.width == size.height && size.width > 1) {
-        if (empty_parts_are_empty(pixels, *find_layout("angular")))
+    if (pixels && size.width == size.height && size.width > 1) {
+        if (empty_parts_are_empty(*pixels, *find_layout("angular")))
             return {find_layout("angular"),
                     "a guess: a disk in a square, angular map or mirror ball"};
         return {nullptr, "not known: a square may be one face, or a photo of a ball"};
     }
     return {nullptr, "none: a photo, by its shape"};
 }
-
-/// What `info` tells of a measured picture.
-void tell(const MapMeasure& measure, InfoReport& report) {
-    report.mean_radiance = measure.mean;
-    if (measure.highest > 0) report.range_stops = std::log2(measure.highest / measure.lowest);
-    report.maximum = measure.highest;
-    report.over_sphere = measure.covered_steradians.has_value();
-    report.covered_steradians = measure.covered_steradians;
-}
-
-}  // namespace
 
 InfoReport inspect(const std::string& path, const std::optional<std::string>& from,
                    std::int64_t max_pixels, const ColorConfig& colors,
@@ -124,7 +119,7 @@ InfoReport inspect(const std::string& path, const std::optional<std::string>& fr
         report.color_space = colors.input_space(photo, input_space, &warning);
         if (!warning.empty()) report.notes.push_back(warning);
         pixels = colors.to_working(photo, report.color_space, std::nullopt, &report.bad_pixels);
-        const Guess guess = guess_layout(photo, pixels);
+        const LayoutGuess guess = guess_layout(photo, &pixels);
         told = guess.layout;
         report.layout = told ? told->name : "";
         report.layout_sureness = guess.sureness;

@@ -28,20 +28,6 @@ void undo_reflectance(Image& pixels, const std::string& text) {
             for (std::size_t c = 0; c < 3; ++c) pixels.pixel(x, y)[c] /= static_cast<float>(r[c]);
 }
 
-/// From the working space into the file's, or onto a display.
-std::string encode(Image& map, const MapOptions& o, const OutputPlan& plan,
-                   const ColorConfig& colors) {
-    if (o.display || o.view) {
-        const std::string display = o.display.value_or(colors.displays().front());
-        const std::string view = o.view.value_or(colors.views(display).front());
-        colors.to_display(map, display, view);
-        return fmt::format("{}, {}", display, view);
-    }
-    const std::string space = colors.output_space(o.output_space, plan.scene_linear);
-    colors.from_working(map, space);
-    return space;
-}
-
 void check_display(const MapOptions& o, const OutputPlan& plan, const ColorConfig& colors) {
     if (o.output_space) colors.space(*o.output_space);
     if (!o.display && !o.view) return;
@@ -207,6 +193,19 @@ ResampleOptions resampling(const MapOptions& o, const OutputPlan& plan, const Ro
     const Rotation axes = plan.preset ? plan.preset->axes : Rotation();
     how.rotation = axes * (Rotation::yaw_pitch_roll(o.yaw, o.pitch, o.roll) * to_world);
     return how;
+}
+
+std::string encode(Image& map, const MapOptions& o, const OutputPlan& plan,
+                   const ColorConfig& colors) {
+    if (o.display || o.view) {
+        const std::string display = o.display.value_or(colors.displays().front());
+        const std::string view = o.view.value_or(colors.views(display).front());
+        colors.to_display(map, display, view);
+        return fmt::format("{}, {}", display, view);
+    }
+    const std::string space = colors.output_space(o.output_space, plan.scene_linear);
+    colors.from_working(map, space);
+    return space;
 }
 
 WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o,

@@ -60,6 +60,11 @@ BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_bl
 ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,
                            const Rotation& to_world);
 
+/// From the working space into the file's, or onto a display; its name, or the display's and
+/// view's.
+std::string encode(Image& image, const MapOptions& options, const OutputPlan& plan,
+                   const ColorConfig& colors);
+
 /// A map that was written.
 struct WrittenMap {
     std::string space;  ///< or display and view

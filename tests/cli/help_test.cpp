@@ -19,6 +19,7 @@ TEST(Help, EveryCommandShowsDefaultsUnitsAndAnExample) {
          {"latlong, faces, openexr", "blender, alias", "adaptive", "=adaptive", "default: 16",
           "degrees", "pixels", "400000000", "--camera-to-world", "--quiet", "--threads"}},
         {"detect", {"--overlay", "--crop", "=0.5", "pixels", "--json-lines", "--quiet"}},
+        {"preview", {"--mesh", "teapot", "=mirror", "degrees", "pixels", "=16", "--turntable"}},
         {"info", {"--from", "--json", "400000000"}}};
     const TempFolder folder;
     const Outcome overview = run(folder, {"-h"});

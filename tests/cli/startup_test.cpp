@@ -12,14 +12,18 @@ using namespace test;
 
 #ifdef __GLIBC__
 
-/// Whether the run loads OpenImageIO, by the loader's own report.
-bool loads_image_library(const TempFolder& folder, const Words& words) {
+/// Whether the run loads a library, by the loader's own report.
+bool loads(const TempFolder& folder, const Words& words, const std::string& library) {
     Circumstances traced;
     traced.environment = {{"LD_DEBUG", "files"}};
     const Outcome outcome = run(folder, words, traced);
     EXPECT_EQ(outcome.status, 0) << text_of(words);
     EXPECT_TRUE(outcome.says("libOpenEXR")) << "the loader did not report";
-    return outcome.says("libOpenImageIO");
+    return outcome.says(library);
+}
+
+bool loads_image_library(const TempFolder& folder, const Words& words) {
+    return loads(folder, words, "libOpenImageIO");
 }
 
 TEST(Startup, LoadsTheLargeImageLibraryOnlyForFilesThatNeedIt) {
@@ -38,6 +42,16 @@ TEST(Startup, LoadsTheLargeImageLibraryOnlyForFilesThatNeedIt) {
     EXPECT_FALSE(loads_image_library(folder, {"detect", "ball.exr", "--ball=32,32,30"}));
     EXPECT_FALSE(loads_image_library(folder, convert("ball.exr")));
     EXPECT_TRUE(loads_image_library(folder, convert("ball.jpg")));
+}
+
+TEST(Startup, LoadsTheRayTracerOnlyToRender) {
+    const TempFolder folder;
+    write_exr(folder / "map.exr", world_map(*find_layout("latlong"), 16));
+    for (const char* library : {"libembree", "libassimp"}) {
+        EXPECT_FALSE(loads(folder, {"--help"}, library));
+        EXPECT_FALSE(loads(folder, {"info", "map.exr"}, library));
+        EXPECT_TRUE(loads(folder, {"preview", "map.exr", "--size=8", "-o", "a.exr"}, library));
+    }
 }
 
 #endif

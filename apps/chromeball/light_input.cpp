@@ -1,0 +1,103 @@
+#include "light_input.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "core/error.h"
+#include "inspect.h"
+#include "io/read.h"
+#include "map_input.h"
+#include "photo_job.h"
+#include "resample/resample.h"
+
+namespace chromeball {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// nullptr: a photo.
+const Layout* layout_of(const LightOptions& o) {
+    if (o.from == "photo") return nullptr;
+    if (o.from != "auto") return find_layout(o.from);
+    if (fs::is_directory(o.input)) return find_layout("faces");
+    if (o.photo.cropped) return nullptr;
+    return guess_layout(read_header(o.input, {o.photo.max_pixels, std::nullopt}), nullptr).layout;
+}
+
+Rotation photo_rotation(const LightOptions& o, const MapOptions& map, const Photo& photo,
+                        const Console& console) {
+    if (const auto told = told_rotation(map)) return *told;
+    if (!photo.metadata.find("worldToCamera")) return {};
+    const auto rotation = rotation_from_metadata(photo, o.photo.camera_axes);
+    if (!rotation)
+        console.warn(fmt::format(
+            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
+            photo.name));
+    return rotation.value_or(Rotation());
+}
+
+Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfig& colors,
+                  const Console& console) {
+    PhotoJob job = open_photo(o.input, o.photo, console.watch("searching"));
+    if (!job.ball.found) throw no_ball(job, o.photo.threshold);
+    const MirrorBall ball = projection_of(job);
+    for (const std::string& warning : job.warnings) console.warn(warning);
+    console.say(description(job, ball));
+    const BallLight in_ball =
+        ball_light(job, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0,
+                   o.photo.cropped, o.color, map, colors);
+    for (const std::string& warning : in_ball.warnings) console.warn(warning);
+    Light light;
+    light.space = in_ball.space;
+    light.layout = find_layout("latlong");
+    light.to_world = photo_rotation(o, map, job.photo, console);
+    // Twice as fine as the ball, so that nothing of it is lost by being looked up again.
+    const int size = std::min(4096, 2 * natural_size(in_ball.source, *light.layout));
+    light.pixels = resample(in_ball.source, *light.layout, size, {Filter::adaptive, light.to_world},
+                            console.watch("converting"));
+    if (!o.photo.cropped) light.photo = PhotoView{job.photo.display, job.camera.camera, ball};
+    return light;
+}
+
+}  // namespace
+
+void check_from(const std::string& from) {
+    if (from != "auto" && from != "photo" && !find_layout(from))
+        throw Error(Error::Kind::usage, unknown_shape(from));
+}
+
+Light read_light(const LightOptions& o, const MapOptions& map, const ColorConfig& colors,
+                 const Console& console) {
+    const Layout* layout = layout_of(o);
+    if (!layout) return photo_light(o, map, colors, console);
+    MapInput input = read_map(o.input, *layout, o.photo.max_pixels, colors, o.color.input_space);
+    for (const std::string& warning : input.warnings) console.warn(warning);
+    console.say(fmt::format("{}: {} of {}x{} pixels, colour space {}", o.input, layout->name,
+                            input.pixels.width(), input.pixels.height(), input.space));
+    if (input.bad_pixels > 0) console.warn(bad_pixel_warning(o.input, input.bad_pixels));
+    Light light;
+    light.pixels = std::move(input.pixels);
+    light.layout = layout;
+    light.space = input.space;
+    light.to_world = told_rotation(map).value_or(Rotation());
+    return light;
+}
+
+std::optional<PhotoView> told_view(const PhotoOptions& options, Size size, const Console& console) {
+    if (!options.ball && !options.ellipse) return std::nullopt;
+    PhotoJob job;
+    job.photo.name = "the picture";
+    job.photo.display = size;
+    job.photo.window = {0, 0, size};
+    job.camera = choose_camera(options, job.photo);
+    job.ball.found = true;
+    job.ball.outline = told_outline(job.photo, options);
+    job.ball.how = options.ball ? "--ball" : "--ellipse";
+    job.ball.circle_given = options.ball.has_value();
+    const MirrorBall ball = projection_of(job);
+    for (const std::string& warning : job.warnings) console.warn(warning);
+    return PhotoView{size, job.camera.camera, ball};
+}
+
+}  // namespace chromeball

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/App.hpp>
+
+#include <string>
+
+#include "color/color.h"
+#include "console.h"
+#include "core/image.h"
+#include "map_job.h"
+
+namespace chromeball {
+
+/// The options of MapOptions that pictures of things have: -o, --float, --bits, colours.
+void add_picture_options(CLI::App& command, MapOptions& options);
+
+/// Encodes a picture of the working space (RGBA, colour multiplied by alpha) and writes it to
+/// `path`, in the plan's format. source: what it was made from, for its metadata.
+void write_picture(const std::string& path, Image picture, const OutputPlan& plan,
+                   const MapOptions& options, const std::string& source, const ColorConfig& colors,
+                   const Console& console);
+
+}  // namespace chromeball

@@ -1,0 +1,256 @@
+#include "render/preview.h"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <chrono>
+#include <optional>
+
+#include "color/color.h"
+#include "commands.h"
+#include "console.h"
+#include "core/error.h"
+#include "core/parallel.h"
+#include "io/threads.h"
+#include "io/write.h"
+#include "light_input.h"
+#include "map_files.h"
+#include "map_job.h"
+#include "numbers.h"
+#include "options.h"
+#include "picture_file.h"
+#include "preview_scene.h"
+#include "shot/pattern.h"
+
+namespace chromeball {
+namespace {
+
+struct PreviewCommand {
+    LightOptions light;
+    CommonOptions common;
+    MapOptions map;
+    SceneOptions scene;
+    std::string through = "orbit";
+    std::optional<std::string> orbit;
+    double fov = 35;
+    std::optional<std::string> size;
+    int turntable = 0;
+    int samples = 16;
+    double noise = 0;
+    std::string filter = "box";
+    bool background = false;
+};
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
+
+PixelFilter filter_of(const std::string& name) {
+    if (name == "triangle") return PixelFilter::triangle;
+    return name == "gaussian" ? PixelFilter::gaussian : PixelFilter::box;
+}
+
+std::optional<Size> told_size(const PreviewCommand& o) {
+    if (!o.size) return std::nullopt;
+    const auto n = parse_numbers("--size", *o.size, {1, 2}, "W,H in pixels");
+    const double width = n[0], height = n.size() > 1 ? n[1] : n[0];
+    const auto fits = [](double x) { return x >= 1 && x <= 32768 && x == static_cast<int>(x); };
+    if (!fits(width) || !fits(height))
+        refuse(fmt::format("--size {}: whole numbers from 1 to 32768 are wanted", *o.size));
+    return Size{static_cast<int>(width), static_cast<int>(height)};
+}
+
+struct Orbit {
+    double azimuth, elevation, distance;
+};
+Orbit orbit_of(const PreviewCommand& o) {
+    const Orbit usual = o.scene.set ? Orbit{0, 10, 10} : Orbit{30, 15, 4};
+    if (!o.orbit) return usual;
+    const auto n = parse_numbers("--orbit", *o.orbit, {2, 3}, "AZ,EL or AZ,EL,DIST");
+    if (!(n[1] >= -90 && n[1] <= 90))
+        refuse(fmt::format("--orbit {}: the elevation must be from -90 to 90 degrees", *o.orbit));
+    const double distance = n.size() > 2 ? n[2] : usual.distance;
+    if (!(distance > 0 && distance <= 1e4))
+        refuse(fmt::format("--orbit {}: the distance must be above 0 and at most 10000", *o.orbit));
+    return {n[0], n[1], distance};
+}
+
+/// The cameras of all frames, one without --turntable.
+std::vector<View> views_of(const PreviewCommand& o, const Light& light, const Console& console) {
+    const auto told = told_size(o);
+    constexpr Size kUsual{1280, 720};
+    const bool from_map = !light.photo;
+    auto seen = from_map ? told_view(o.light.photo, told.value_or(kUsual), console) : std::nullopt;
+    if (o.through == "photo" && light.photo) seen = light.photo;
+    if (o.through == "photo" && !seen)
+        refuse(
+            "--through photo: the light is a map; tell the camera with --ellipse, or --ball, "
+            "and --focal-px (and --principal, --camera-to-world)");
+    if (seen) {
+        if (o.turntable > 0) refuse("--turntable goes with --orbit, not with a photo's camera");
+        if (told && *told != seen->size)
+            refuse(fmt::format("--size {}: the photo's camera makes pictures of {}x{} pixels",
+                               *o.size, seen->size.width, seen->size.height));
+        return {View::of_ball(seen->size, seen->camera, seen->ball, light.to_world)};
+    }
+    const Orbit orbit = orbit_of(o);
+    std::vector<View> views;
+    const int count = std::max(1, o.turntable);
+    for (int i = 0; i < count; ++i)
+        views.push_back(View::orbit(told.value_or(kUsual), orbit.azimuth + 360.0 * i / count,
+                                    orbit.elevation, orbit.distance, o.fov));
+    return views;
+}
+
+/// Where the frames go; one without --turntable.
+std::vector<std::string> paths_of(const PreviewCommand& o) {
+    const auto pattern = FramePattern::parse(o.map.output.output);
+    if (o.turntable == 0) return {o.map.output.output};
+    if (!pattern)
+        refuse(
+            fmt::format("{}: --turntable writes {} pictures; give their number a place, as in "
+                        "turn.####.png",
+                        o.map.output.output, o.turntable));
+    std::vector<std::string> paths;
+    for (int i = 1; i <= o.turntable; ++i) paths.push_back(pattern->path(i));
+    return paths;
+}
+
+void run_preview(const PreviewCommand& o) {
+    const Console console(o.common.quiet);
+    const ThreadLimit limit(o.common.threads);
+    set_coding_threads(o.common.threads);
+    const OutputPlan plan = plan_output(o.map.output);
+    const ColorConfig colors = ColorConfig::load(o.light.color.ocio);
+    if (o.light.color.input_space) colors.space(*o.light.color.input_space);
+    check_map_options(o.map, plan, colors);
+    check_from(o.light.from);
+    check_scene_options(o.scene);
+    orbit_of(o);
+    told_size(o);
+    const auto paths = paths_of(o);
+    for (const std::string& path : paths) {
+        check_not_input(path, o.light.input);
+        check_target(path);
+    }
+
+    Scene scene = scene_of(o.scene, console);
+    const Light light = read_light(o.light, o.map, colors, console);
+    const auto views = views_of(o, light, console);
+    const Environment environment(light.pixels, *light.layout);
+    if (environment.covered() < 0.9999)
+        console.say(
+            fmt::format("{}: shows {:.1f} % of the sphere; the rest is filled in from "
+                        "around it",
+                        o.light.input, 100 * environment.covered()));
+    const Tracer tracer(scene);
+    const PreviewOptions how{.samples = o.samples,
+                             .filter = filter_of(o.filter),
+                             .noise = o.noise,
+                             .background = o.background};
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        using Clock = std::chrono::steady_clock;
+        const auto start = Clock::now();
+        PreviewStatistics statistics;
+        Image picture = preview(scene, tracer, environment, views[i], how, &statistics,
+                                console.watch("rendering"));
+        const double seconds =
+            std::max(1e-6, std::chrono::duration<double>(Clock::now() - start).count());
+        console.say(fmt::format("{}: {:.2f} million camera rays in {:.3f} s, {:.1f} million/s",
+                                paths[i], double(statistics.camera_rays) / 1e6, seconds,
+                                double(statistics.camera_rays) / 1e6 / seconds));
+        write_picture(paths[i], std::move(picture), plan, o.map, o.light.input, colors, console);
+    }
+}
+
+void add_view_options(CLI::App& command, PreviewCommand& o) {
+    const std::string group = "View";
+    command
+        .add_option("--orbit", o.orbit,
+                    "Camera: degrees around +Y from +Z towards +X, degrees up, distance in radii "
+                    "of the object (default: 30,15,4; of a set 0,10,10)")
+        ->type_name("AZ,EL[,DIST]")
+        ->group(group);
+    command.add_option("--fov", o.fov, "... its vertical field of view, degrees")
+        ->check(finite())
+        ->check(CLI::Range(0.01, 179.0))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--through", o.through,
+                    "orbit: the camera above; photo: the photo's own, the object in its ball's "
+                    "place (with a map: as --ellipse, --focal-px, --principal, --camera-to-world "
+                    "say)")
+        ->check(CLI::IsMember({"orbit", "photo"}))
+        ->capture_default_str()
+        ->group(group);
+    command.add_option("--size", o.size, "Of the picture, pixels (default: 1280,720)")
+        ->type_name("W,H")
+        ->group(group);
+    command
+        .add_option("--turntable", o.turntable,
+                    "That many frames, once around; -o needs a place for the number: turn.####.png")
+        ->check(CLI::Range(1, 100000))
+        ->group(group);
+    command
+        .add_option("--camera-to-world", o.map.camera_to_world,
+                    "How the camera of a photo, or of --ellipse, stood: 9 or 16 numbers, row by "
+                    "row (default: the photo's worldToCamera)")
+        ->type_name("M")
+        ->group(group);
+    command.add_flag("--background", o.background, "Show the map behind the object")->group(group);
+}
+
+void add_quality_options(CLI::App& command, PreviewCommand& o) {
+    const std::string group = "Quality";
+    command.add_option("--samples", o.samples, "Of each pixel; best a square: 4, 9, 16")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--noise", o.noise,
+                    "Take as many times --samples, up to 64, as bring the standard error of "
+                    "x / (1 + x) below this; 0.002 is hard to see (default: 0, once)")
+        ->check(finite())
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(group);
+    command
+        .add_option("--pixel-filter", o.filter,
+                    "What a pixel is the mean over: box, one pixel; triangle, two; gaussian, "
+                    "three (standard deviation 0.5)")
+        ->check(CLI::IsMember({"box", "triangle", "gaussian"}))
+        ->capture_default_str()
+        ->group(group);
+}
+
+}  // namespace
+
+void add_preview(CLI::App& app) {
+    auto o = std::make_shared<PreviewCommand>();
+    auto* command =
+        app.add_subcommand("preview", "Show an object in the light of a map, or of a photo's ball");
+    command->add_option("input", o->light.input, "Map, folder of faces, or photo of a mirror ball")
+        ->required();
+    command->add_option("-o,--output", o->map.output.output, "Picture to write")->required();
+    command
+        ->add_option("--from", o->light.from,
+                     "What the input is: photo, or one of the layouts; auto: by its shape and what "
+                     "it says of itself")
+        ->capture_default_str();
+    add_scene_options(*command, o->scene);
+    add_view_options(*command, *o);
+    add_quality_options(*command, *o);
+    add_picture_options(*command, o->map);
+    add_photo_options(*command, o->light.photo);
+    add_color_options(*command, o->light.color);
+    add_common_options(*command, o->common);
+    command->footer(
+        "Examples:\n"
+        "  chromeball preview probe.exr --mesh bean -o bean.png\n"
+        "  chromeball preview probe.exr --set lookdev --background --display sRGB --view \"ACES "
+        "SDR\" -o set.png\n"
+        "  chromeball preview plate.exr --through photo --mesh teapot --material chrome -o "
+        "teapot.exr\n"
+        "  chromeball preview probe.exr --mesh model.obj --turntable 48 -o turn.####.png");
+    command->callback([o] { run_preview(*o); });
+}
+
+}  // namespace chromeball
