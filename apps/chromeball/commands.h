@@ -12,5 +12,6 @@ void add_info(CLI::App& app);
 void add_shot(CLI::App& app);
 void add_merge(CLI::App& app);
 void add_preview(CLI::App& app);
+void add_bake(CLI::App& app);
 
 }  // namespace chromeball

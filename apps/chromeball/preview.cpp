@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -20,6 +21,8 @@
 #include "options.h"
 #include "picture_file.h"
 #include "preview_scene.h"
+#include "render/bake.h"
+#include "render/compare.h"
 #include "shot/pattern.h"
 
 namespace chromeball {
@@ -32,13 +35,16 @@ struct PreviewCommand {
     SceneOptions scene;
     std::string through = "orbit";
     std::optional<std::string> orbit;
-    double fov = 35;
+    std::optional<double> fov;
     std::optional<std::string> size;
     int turntable = 0;
     int samples = 16;
     double noise = 0;
     std::string filter = "box";
     bool background = false;
+    std::string shading = "pixel";
+    std::optional<std::string> compare;
+    std::optional<std::string> reflect_from;
 };
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
@@ -58,6 +64,24 @@ std::optional<Size> told_size(const PreviewCommand& o) {
     return Size{static_cast<int>(width), static_cast<int>(height)};
 }
 
+Shading shading_of(const std::string& option, const std::string& name) {
+    if (name == "pixel") return Shading::pixel;
+    if (name == "vertex") return Shading::vertex;
+    if (name == "raytrace") return Shading::raytrace;
+    refuse(fmt::format("{} {}: choose pixel, vertex or raytrace", option, name));
+}
+
+/// One way to shade, or the two of --compare.
+std::vector<Shading> shadings_of(const PreviewCommand& o) {
+    if (!o.compare) return {shading_of("--shading", o.shading)};
+    const std::size_t comma = o.compare->find(',');
+    if (comma == std::string::npos)
+        refuse(fmt::format("--compare {}: two ways to shade are wanted, as in pixel,raytrace",
+                           *o.compare));
+    return {shading_of("--compare", o.compare->substr(0, comma)),
+            shading_of("--compare", o.compare->substr(comma + 1))};
+}
+
 struct Orbit {
     double azimuth, elevation, distance;
 };
@@ -74,7 +98,8 @@ Orbit orbit_of(const PreviewCommand& o) {
 }
 
 /// The cameras of all frames, one without --turntable.
-std::vector<View> views_of(const PreviewCommand& o, const Light& light, const Console& console) {
+std::vector<View> views_of(const PreviewCommand& o, const Scene& scene, const Light& light,
+                           const Console& console) {
     const auto told = told_size(o);
     constexpr Size kUsual{1280, 720};
     const bool from_map = !light.photo;
@@ -91,12 +116,19 @@ std::vector<View> views_of(const PreviewCommand& o, const Light& light, const Co
                                *o.size, seen->size.width, seen->size.height));
         return {View::of_ball(seen->size, seen->camera, seen->ball, light.to_world)};
     }
+    if (o.scene.scene && !o.orbit && !scene.cameras.empty() && o.turntable == 0) {
+        const SceneCamera& camera = scene.cameras.front();
+        return {View::at(told.value_or(kUsual), camera.position, camera.to_world,
+                         o.fov.value_or(camera.fov_degrees))};
+    }
     const Orbit orbit = orbit_of(o);
+    const Ball around = o.scene.scene ? bounds_of(scene) : Ball{};
     std::vector<View> views;
     const int count = std::max(1, o.turntable);
     for (int i = 0; i < count; ++i)
         views.push_back(View::orbit(told.value_or(kUsual), orbit.azimuth + 360.0 * i / count,
-                                    orbit.elevation, orbit.distance, o.fov));
+                                    orbit.elevation, orbit.distance * around.radius,
+                                    o.fov.value_or(35), around.center));
     return views;
 }
 
@@ -112,6 +144,35 @@ std::vector<std::string> paths_of(const PreviewCommand& o) {
     std::vector<std::string> paths;
     for (int i = 1; i <= o.turntable; ++i) paths.push_back(pattern->path(i));
     return paths;
+}
+
+/// The scene itself, as a map baked at a point: what environment mapping reflects.
+std::optional<Environment> reflected_light(const PreviewCommand& o, const Scene& scene,
+                                           const Environment& environment, const Console& console) {
+    if (!o.reflect_from) return std::nullopt;
+    const V3d at = point_in(scene, "--reflect-from", *o.reflect_from);
+    Scene seen = scene;
+    std::erase_if(seen.objects, [](const Object& object) { return reflects(object.material); });
+    constexpr int kFace = 512;
+    return Environment(
+        bake(seen, Tracer(seen), environment, at, {.size = kFace}, console.watch("baking")),
+        *find_layout("openexr"));
+}
+
+Image rendered(const Scene& scene, const Tracer& tracer, const Environment& environment,
+               const View& view, const PreviewOptions& how, const std::string& path,
+               const Console& console) {
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    PreviewStatistics statistics;
+    Image picture =
+        preview(scene, tracer, environment, view, how, &statistics, console.watch("rendering"));
+    const double seconds =
+        std::max(1e-6, std::chrono::duration<double>(Clock::now() - start).count());
+    const double millions = static_cast<double>(statistics.camera_rays) / 1e6;
+    console.say(fmt::format("{}: {:.2f} million camera rays in {:.3f} s, {:.1f} million/s", path,
+                            millions, seconds, millions / seconds));
+    return picture;
 }
 
 void run_preview(const PreviewCommand& o) {
@@ -132,31 +193,39 @@ void run_preview(const PreviewCommand& o) {
         check_target(path);
     }
 
+    const auto shadings = shadings_of(o);
     Scene scene = scene_of(o.scene, console);
     const Light light = read_light(o.light, o.map, colors, console);
-    const auto views = views_of(o, light, console);
+    const auto views = views_of(o, scene, light, console);
     const Environment environment(light.pixels, *light.layout);
     if (environment.covered() < 0.9999)
         console.say(
             fmt::format("{}: shows {:.1f} % of the sphere; the rest is filled in from "
                         "around it",
                         o.light.input, 100 * environment.covered()));
+    if (std::find(shadings.begin(), shadings.end(), Shading::vertex) != shadings.end())
+        scene = with_meshes_only(std::move(scene));
     const Tracer tracer(scene);
-    const PreviewOptions how{.samples = o.samples,
-                             .filter = filter_of(o.filter),
-                             .noise = o.noise,
-                             .background = o.background};
+    const auto reflected = reflected_light(o, scene, environment, console);
+    PreviewOptions how{.samples = o.samples,
+                       .filter = filter_of(o.filter),
+                       .noise = o.noise,
+                       .background = o.background,
+                       .reflected = reflected ? &*reflected : nullptr};
     for (std::size_t i = 0; i < views.size(); ++i) {
-        using Clock = std::chrono::steady_clock;
-        const auto start = Clock::now();
-        PreviewStatistics statistics;
-        Image picture = preview(scene, tracer, environment, views[i], how, &statistics,
-                                console.watch("rendering"));
-        const double seconds =
-            std::max(1e-6, std::chrono::duration<double>(Clock::now() - start).count());
-        console.say(fmt::format("{}: {:.2f} million camera rays in {:.3f} s, {:.1f} million/s",
-                                paths[i], double(statistics.camera_rays) / 1e6, seconds,
-                                double(statistics.camera_rays) / 1e6 / seconds));
+        std::vector<Image> pictures;
+        for (const Shading shading : shadings) {
+            how.shading = shading;
+            pictures.push_back(
+                rendered(scene, tracer, environment, views[i], how, paths[i], console));
+        }
+        Image picture = std::move(pictures.front());
+        if (o.compare) {
+            Comparison comparison = compared(picture, pictures.back());
+            console.say(fmt::format("{}: {} differ by {:.4f} in the mean of x / (1 + x), {:.1f} dB",
+                                    paths[i], *o.compare, comparison.difference, comparison.psnr));
+            picture = std::move(comparison.picture);
+        }
         write_picture(paths[i], std::move(picture), plan, o.map, o.light.input, colors, console);
     }
 }
@@ -169,10 +238,11 @@ void add_view_options(CLI::App& command, PreviewCommand& o) {
                     "of the object (default: 30,15,4; of a set 0,10,10)")
         ->type_name("AZ,EL[,DIST]")
         ->group(group);
-    command.add_option("--fov", o.fov, "... its vertical field of view, degrees")
+    command
+        .add_option("--fov", o.fov,
+                    "... its vertical field of view, degrees (default: 35, or the scene camera's)")
         ->check(finite())
         ->check(CLI::Range(0.01, 179.0))
-        ->capture_default_str()
         ->group(group);
     command
         .add_option("--through", o.through,
@@ -201,6 +271,25 @@ void add_view_options(CLI::App& command, PreviewCommand& o) {
 
 void add_quality_options(CLI::App& command, PreviewCommand& o) {
     const std::string group = "Quality";
+    command
+        .add_option("--shading", o.shading,
+                    "pixel: the map is looked up at every point, as graphics processors do; "
+                    "vertex: at every vertex, colours between them interpolated; raytrace: rays go "
+                    "on, so that things see themselves and each other")
+        ->type_name("HOW")
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--compare", o.compare,
+                    "Two of them side by side, and their difference: pixel,raytrace")
+        ->type_name("A,B")
+        ->group(group);
+    command
+        .add_option("--reflect-from", o.reflect_from,
+                    "With pixel or vertex: mirrors show the other objects, too, as a map baked at "
+                    "this point of the scene")
+        ->type_name("X,Y,Z|NAME")
+        ->group(group);
     command.add_option("--samples", o.samples, "Of each pixel; best a square: 4, 9, 16")
         ->check(CLI::Range(1, 65536))
         ->capture_default_str()
@@ -249,6 +338,7 @@ void add_preview(CLI::App& app) {
         "SDR\" -o set.png\n"
         "  chromeball preview plate.exr --through photo --mesh teapot --material chrome -o "
         "teapot.exr\n"
+        "  chromeball preview probe.exr --mesh knot --compare pixel,raytrace -o compare.png\n"
         "  chromeball preview probe.exr --mesh model.obj --turntable 48 -o turn.####.png");
     command->callback([o] { run_preview(*o); });
 }

@@ -100,6 +100,12 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
                     "Several objects instead; lookdev: grey, chrome, glossy and white spheres")
         ->check(CLI::IsMember({"lookdev"}))
         ->group(group);
+    command
+        .add_option("--scene", o.scene,
+                    "A scene file instead (.gltf, .glb, ...): objects with their materials, in "
+                    "its own frame; its first camera is the view unless --orbit is given")
+        ->type_name("FILE")
+        ->group(group);
     command.add_option("--material", o.material, comma_list(material_names()))
         ->type_name("NAME")
         ->capture_default_str()
@@ -121,9 +127,39 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
         ->group(group);
 }
 
-void check_scene_options(const SceneOptions& o) { material_of(o); }
+void check_scene_options(const SceneOptions& o) {
+    material_of(o);
+    if (o.scene && o.set) refuse("--scene and --set contradict each other; give one");
+}
+
+Scene scene_file(const std::string& path, const Console& console) {
+    Scene scene = load_scene(path);
+    std::vector<std::string> notes;
+    repair(scene, path, notes);
+    for (const std::string& note : notes) console.warn(note);
+    console.say(
+        fmt::format("{}: {} objects, {} triangles", path, scene.objects.size(), scene.triangles()));
+    return scene;
+}
+
+V3d point_in(const Scene& scene, const std::string& option, const std::string& text) {
+    if (const auto place = scene.place(text)) return *place;
+    // A word with a letter is a name that is not there.
+    if (text.find_first_not_of("0123456789+-.,eE ") != std::string::npos) {
+        auto names = scene.names();
+        for (const Place& place : scene.places) names.push_back(place.name);
+        for (const SceneCamera& camera : scene.cameras) names.push_back(camera.name);
+        const auto near = nearest_names(text, names);
+        refuse(fmt::format("{} {}: the scene has nothing of that name; {} {}", option, text,
+                           near.empty() ? "give X,Y,Z or" : "did you mean",
+                           near.empty() ? quoted_list(names) : quoted_list(near) + "?"));
+    }
+    const auto n = parse_numbers(option, text, {3}, "X,Y,Z or a name");
+    return {n[0], n[1], n[2]};
+}
 
 Scene scene_of(const SceneOptions& o, const Console& console) {
+    if (o.scene) return scene_file(*o.scene, console);
     if (o.set) return lookdev();
     Object object;
     object.name = o.mesh;

@@ -14,6 +14,7 @@ namespace chromeball {
 struct SceneOptions {
     std::string mesh = "sphere";
     std::optional<std::string> set;
+    std::optional<std::string> scene;  ///< a file
     std::string material = "mirror";
     std::optional<double> roughness;
     std::optional<double> ior;
@@ -25,7 +26,15 @@ void add_scene_options(CLI::App& command, SceneOptions& options);
 /// What was typed wrong, before anything is read. Throws Error (usage).
 void check_scene_options(const SceneOptions& options);
 
-/// Within the unit sphere around the origin; a set of spheres with radius 1 each. Throws Error.
+/// Within the unit sphere around the origin; a set of spheres with radius 1 each; a file's scene in
+/// its own frame. Throws Error.
 Scene scene_of(const SceneOptions& options, const Console& console);
+
+/// A file's scene, fit to be rendered. Throws Error.
+Scene scene_file(const std::string& path, const Console& console);
+
+/// "X,Y,Z", or the name of a place, camera or object of the scene. Throws Error (usage) that names
+/// the option.
+V3d point_in(const Scene& scene, const std::string& option, const std::string& text);
 
 }  // namespace chromeball

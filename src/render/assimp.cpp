@@ -6,6 +6,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/names.h"
@@ -121,6 +122,29 @@ public:
             visit(*node.mChildren[i], to_world, depth + 1);
     }
 
+    /// Needs the nodes' places: after visit().
+    void add_camera(const aiCamera& camera) {
+        const aiNode* node = from_.mRootNode->FindNode(camera.mName);
+        aiMatrix4x4 to_world;
+        for (const aiNode* at = node; at; at = at->mParent)
+            to_world = at->mTransformation * to_world;
+        const aiMatrix3x3 turn(to_world);
+        const aiVector3D ahead = turn * camera.mLookAt, up = turn * camera.mUp;
+        const aiVector3D at = to_world * camera.mPosition;
+        const V3d back = -V3d(ahead.x, ahead.y, ahead.z).normalized();
+        const V3d right = V3d(up.x, up.y, up.z).cross(back).normalized();
+        const V3d above = back.cross(right);
+        const auto rotation = Rotation::nearest(std::array{
+            right.x, above.x, back.x, right.y, above.y, back.y, right.z, above.z, back.z});
+        if (!rotation) return;  // a camera that looks nowhere
+        // The loader's "horizontal" angle is glTF's vertical one times the aspect.
+        const double fov = static_cast<double>(camera.mHorizontalFOV) /
+                           (camera.mAspect > 0 ? static_cast<double>(camera.mAspect) : 1.0);
+        std::erase_if(scene.places, [&](const Place& p) { return p.name == camera.mName.C_Str(); });
+        scene.cameras.push_back({camera.mName.C_Str(), V3d(at.x, at.y, at.z), *rotation,
+                                 std::clamp(fov * 180 / std::numbers::pi, 0.01, 179.0)});
+    }
+
     Scene scene;
 
 private:
@@ -152,6 +176,7 @@ Scene load(const std::string& path, const LoadLimits& limits) {
     if (!from->mRootNode) throw failure(path, "has nothing in it");
     Walk walk(*from, path, limits);
     walk.visit(*from->mRootNode, aiMatrix4x4(), 0);
+    for (unsigned i = 0; i < from->mNumCameras; ++i) walk.add_camera(*from->mCameras[i]);
     if (walk.scene.objects.empty())
         throw failure(path, "has no faces, only points or lines; a surface is needed");
     return std::move(walk.scene);

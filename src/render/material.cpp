@@ -74,6 +74,8 @@ float fresnel_conductor(float cosine, float eta, float k) {
     return 0.5F * (across + parallel);
 }
 
+bool reflects(const Material& m) { return m.kind != Kind::diffuse && m.kind != Kind::flat; }
+
 V3f reflectance(const Material& m, float cosine) {
     if (m.kind != Kind::conductor) return m.color;
     return {m.color.x * fresnel_conductor(cosine, m.eta.x, m.k.x),

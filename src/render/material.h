@@ -44,6 +44,9 @@ float fresnel_dielectric(float cosine, float eta);
 /// The same for a conductor of complex index eta + i k. Born and Wolf, Principles of Optics, 14.2.
 float fresnel_conductor(float cosine, float eta, float k);
 
+/// Whether it shows its surroundings as they are: all but matte and flat ones.
+bool reflects(const Material& material);
+
 /// What a mirror or conductor reflects at an angle of incidence.
 V3f reflectance(const Material& material, float cosine);
 

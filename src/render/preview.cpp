@@ -29,7 +29,7 @@ public:
           environment_(environment),
           view_(view),
           options_(options),
-          shader_(scene, tracer, environment, options.shading) {
+          shader_(scene, tracer, environment, options.shading, options.reflected) {
         if (options.shading == Shading::vertex) shader_.shade_vertices(view);
         const int rounds = options.noise > 0 ? options.most_rounds : 1;
         for (int i = 0; i < rounds; ++i)
@@ -80,6 +80,7 @@ private:
                 rays.dy[i] = beam.direction.y;
                 rays.dz[i] = beam.direction.z;
                 rays.from[i] = 0;
+                if (options_.clip) clip(rays, i, beam);
                 beams[i] = beam;
             }
             Hit hits[RayPacket::kRays];
@@ -87,8 +88,9 @@ private:
             const auto index = static_cast<std::uint32_t>(
                 static_cast<std::size_t>(block.rounds * options_.samples) + k);
             for (int i = 0; i < RayPacket::kRays; ++i) {
-                if (rays.valid[i] == 0 || (!hits[i] && !options_.background)) continue;
+                if (!hits[i] && !options_.background) continue;
                 const int px = x + i % kBlock, py = y + i / kBlock;
+                if (px >= size.width || py >= size.height) continue;
                 const std::uint32_t pixel =
                     hashed(static_cast<std::uint32_t>(px) + hashed(static_cast<std::uint32_t>(py)));
                 const V3f light =
@@ -108,6 +110,17 @@ private:
             block.mean[i] += off / block.rounds;
             block.square[i] += off * (value - block.mean[i]);
         }
+    }
+
+    /// Starts a ray where it comes through the plane; one that never does meets nothing.
+    void clip(RayPacket& rays, int i, const Beam& beam) const {
+        const V3d &n = options_.clip->normal, o(beam.origin), d(beam.direction);
+        const double below = (options_.clip->point - o).dot(n), rise = d.dot(n);
+        if (below <= 0) return;
+        if (rise > 0)
+            rays.from[i] = static_cast<float>(below / rise);
+        else
+            rays.valid[i] = 0;
     }
 
     /// Whether all pixels' means are known well enough.

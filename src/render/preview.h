@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "core/image.h"
 #include "core/watch.h"
 #include "render/environment.h"
@@ -10,6 +12,12 @@
 
 namespace chromeball {
 
+/// Everything behind a plane is left out: rays begin where they come through it.
+struct ClipPlane {
+    V3d point{0, 0, 0};
+    V3d normal{0, 1, 0};  ///< unit vector, to the side that is seen
+};
+
 struct PreviewOptions {
     Shading shading = Shading::pixel;
     int samples = 16;  ///< of a pixel in every round
@@ -19,6 +27,9 @@ struct PreviewOptions {
     double noise = 0;
     int most_rounds = 64;
     bool background = false;  ///< the map behind the scene instead of nothing
+    /// With Shading::pixel and vertex: what is reflected and refracted instead of the environment.
+    const Environment* reflected = nullptr;
+    std::optional<ClipPlane> clip = std::nullopt;
 };
 
 struct PreviewStatistics {

@@ -1,6 +1,10 @@
 #include "render/scene.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+
+#include "core/error.h"
 
 namespace chromeball {
 
@@ -8,6 +12,46 @@ std::size_t Scene::triangles() const {
     std::size_t count = 0;
     for (const Object& object : objects) count += object.mesh.triangles.size();
     return count;
+}
+
+std::vector<std::string> Scene::names() const {
+    std::vector<std::string> names;
+    for (const Object& object : objects)
+        if (std::find(names.begin(), names.end(), object.name) == names.end())
+            names.push_back(object.name);
+    return names;
+}
+
+std::size_t Scene::hide(const std::string& name) {
+    return std::erase_if(objects, [&](const Object& object) { return object.name == name; });
+}
+
+std::optional<V3d> Scene::place(const std::string& name) const {
+    for (const Place& place : places)
+        if (place.name == name) return place.position;
+    for (const SceneCamera& camera : cameras)
+        if (camera.name == name) return camera.position;
+    for (const Object& object : objects)
+        if (object.name == name)
+            return object.ball ? object.ball->center : box_of(object.mesh).middle();
+    return std::nullopt;
+}
+
+void repair(Scene& scene, const std::string& name, std::vector<std::string>& notes) {
+    std::vector<Object> whole;
+    for (Object& object : scene.objects) {
+        const std::string full = fmt::format("{}: {}", name, object.name);
+        try {
+            if (!object.ball) object.mesh = repaired(std::move(object.mesh), full, notes);
+            whole.push_back(std::move(object));
+        } catch (const Error& e) {
+            notes.push_back(fmt::format("{}; it is left out", e.what()));
+        }
+    }
+    scene.objects = std::move(whole);
+    if (scene.objects.empty())
+        throw Error(Error::Kind::failed,
+                    fmt::format("{}: none of its objects can be rendered", name));
 }
 
 Ball bounds_of(const Scene& scene) {
@@ -41,18 +85,6 @@ Ball bounds_of(const Scene& scene) {
                 furthest = std::max(furthest, (V3d(p) - middle).length());
     }
     return {middle, furthest};
-}
-
-void fit_into_unit_sphere(Scene& scene) {
-    const Ball bounds = bounds_of(scene);
-    if (!(bounds.radius > 0)) return;
-    const auto fitted = [&](const V3d& p) { return (p - bounds.center) / bounds.radius; };
-    for (Object& object : scene.objects) {
-        for (V3f& p : object.mesh.positions) p = V3f(fitted(V3d(p)));
-        if (object.ball)
-            object.ball = Ball{fitted(object.ball->center), object.ball->radius / bounds.radius};
-    }
-    for (Scene::Place& place : scene.places) place.position = fitted(place.position);
 }
 
 }  // namespace chromeball

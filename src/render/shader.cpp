@@ -78,10 +78,11 @@ struct Shader::Path {
 };
 
 Shader::Shader(const Scene& scene, const Tracer& tracer, const Environment& environment,
-               Shading shading)
+               Shading shading, const Environment* reflected)
     : scene_(scene),
       tracer_(tracer),
       environment_(environment),
+      reflected_(reflected ? *reflected : environment),
       shading_(shading),
       skip_(1e-4F * static_cast<float>(bounds_of(scene).radius)) {}
 
@@ -185,11 +186,11 @@ V3f Shader::shaded(const Beam& beam, const Surface& surface, const Path& path) c
 V3f Shader::along(const Beam& beam, const Surface& from, const Path& path) const {
     const V3f& d = beam.direction;
     if ((shading_ != Shading::raytrace && !path.inside) || path.ends())
-        return environment_.radiance(d, beam.direction_x, beam.direction_y);
+        return reflected_.radiance(d, beam.direction_x, beam.direction_y);
     Beam next = beam;
     next.origin += from.facet * (d.dot(from.facet) > 0 ? skip_ : -skip_);
     const Hit hit = tracer_.intersect(next.origin, d, 0);
-    if (!hit) return environment_.radiance(d, beam.direction_x, beam.direction_y);
+    if (!hit) return reflected_.radiance(d, beam.direction_x, beam.direction_y);
     return shaded(next, surface_at(next, hit), path);
 }
 
@@ -220,10 +221,10 @@ V3f Shader::spread(const V3f& direction, float solid_angle, const Surface& from,
                    const Path& path) const {
     // A ray stands for a patch of the sky, whose shape nobody knows: round.
     if (shading_ != Shading::raytrace || path.ends())
-        return environment_.radiance(direction, solid_angle);
+        return reflected_.radiance(direction, solid_angle);
     const V3f origin = from.position + from.facet * skip_;
     const Hit hit = tracer_.intersect(origin, direction, 0);
-    if (!hit) return environment_.radiance(direction, solid_angle);
+    if (!hit) return reflected_.radiance(direction, solid_angle);
     const Basis basis(direction);
     const float side = std::sqrt(solid_angle);
     const Beam beam{origin, direction, V3f(0), V3f(0), basis.x * side, basis.y * side};

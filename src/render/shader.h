@@ -28,8 +28,10 @@ struct SampleNumber {
 /// must outlive it.
 class Shader {
 public:
+    /// reflected: what mirrors, metals and glass show of the world instead of the environment,
+    /// where it is not nullptr; for Shading::pixel and vertex.
     Shader(const Scene& scene, const Tracer& tracer, const Environment& environment,
-           Shading shading);
+           Shading shading, const Environment* reflected = nullptr);
 
     /// What is seen where a ray from the eye hits something.
     V3f seen(const Beam& beam, const Hit& hit, const SampleNumber& sample) const;
@@ -53,6 +55,7 @@ private:
     const Scene& scene_;
     const Tracer& tracer_;
     const Environment& environment_;
+    const Environment& reflected_;
     Shading shading_;
     float skip_;  // how far from a surface rays start that leave it
     std::vector<std::vector<V3f>> vertex_colors_;

@@ -22,10 +22,14 @@ View::View(Size size, const Camera& camera, const V3d& eye, const Rotation& to_w
 View View::orbit(Size size, double azimuth_degrees, double elevation_degrees, double distance,
                  double fov_degrees, const V3d& target) {
     const Rotation turn = Rotation::yaw_pitch_roll(azimuth_degrees, -elevation_degrees, 0);
+    return at(size, target + turn * V3d(0, 0, distance), turn, fov_degrees);
+}
+
+View View::at(Size size, const V3d& eye, const Rotation& to_world, double fov_degrees) {
     Camera camera;
     camera.focal = focal_from_hfov(fov_degrees, size.height);
     camera.principal = V2d(0.5 * size.width, 0.5 * size.height);
-    return {size, camera, target + turn * V3d(0, 0, distance), turn};
+    return {size, camera, eye, to_world};
 }
 
 View View::of_ball(Size size, const Camera& camera, const MirrorBall& ball,

@@ -33,6 +33,9 @@ public:
     static View orbit(Size size, double azimuth_degrees, double elevation_degrees, double distance,
                       double fov_degrees, const V3d& target = {0, 0, 0});
 
+    /// At a point, looking along the -Z of a frame; fov: vertical, degrees.
+    static View at(Size size, const V3d& eye, const Rotation& to_world, double fov_degrees);
+
     /// As a photo's camera sees its mirror ball, which is the unit sphere around the origin.
     static View of_ball(Size size, const Camera& camera, const MirrorBall& ball,
                         const Rotation& to_world);
