@@ -41,7 +41,9 @@ ExposedPhoto exposed(std::shared_ptr<const Photo> photo, const ExposureTags& tag
     ExposedPhoto e;
     e.name = photo->name;
     e.size = photo->display;
-    e.step = photo->type == PixelType::u8 ? 1.0 / 255 : photo->type == PixelType::u16 ? 1.0 / 65535 : 0;
+    e.step = photo->type == PixelType::u8    ? 1.0 / 255
+             : photo->type == PixelType::u16 ? 1.0 / 65535
+                                             : 0;
     e.iso = tags.iso.value_or(100);
     // Linear integers come out of a RAW file, balanced and turned into other primaries.
     e.mixed = linear && is_integer(photo->type);
@@ -178,9 +180,10 @@ Bracket read_bracket(const std::vector<std::string>& files, const std::vector<do
             bracket.space = space;
             linear = colors.is_linear(space);
             if (!linear && !is_integer(photo->type))
-                refuse(fmt::format("{}: floats in {}; only linear floats are merged: name the "
-                                   "space they are in with --input-space",
-                                   file, space));
+                refuse(
+                    fmt::format("{}: floats in {}; only linear floats are merged: name the "
+                                "space they are in with --input-space",
+                                file, space));
         } else if (space != bracket.space) {
             refuse(fmt::format("{}: is in {}, but {} is in {}; name one with --input-space", file,
                                space, files.front(), bracket.space));
@@ -192,16 +195,16 @@ Bracket read_bracket(const std::vector<std::string>& files, const std::vector<do
         bracket.photos.push_back(std::move(photo));
     }
     if (!take_apart(bracket, linear, colors))
-        refuse(fmt::format("{}: {} is no curve and matrix, so exposures in it cannot be merged; "
-                           "give --input-space",
-                           files.front(), bracket.space));
+        refuse(
+            fmt::format("{}: {} is no curve and matrix, so exposures in it cannot be merged; "
+                        "give --input-space",
+                        files.front(), bracket.space));
     const double white = white_of(bracket.exposed, is_integer(bracket.photos.front()->type));
     for (ExposedPhoto& photo : bracket.exposed) photo.white = white;
     for (std::size_t k = 0; k < files.size(); ++k) {
         const auto exposure = exposure_of(bracket.tags[k]);
-        bracket.told.push_back(missing_tags(bracket, k).empty()
-                                   ? std::optional(std::log2(*exposure))
-                                   : std::nullopt);
+        bracket.told.push_back(
+            missing_tags(bracket, k).empty() ? std::optional(std::log2(*exposure)) : std::nullopt);
     }
     return bracket;
 }

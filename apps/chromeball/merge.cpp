@@ -57,9 +57,10 @@ double seconds_of(const std::string& text, const std::string& all) {
     };
     if (!number(text.substr(0, slash), parts[0]) ||
         (slash != std::string::npos && !number(text.substr(slash + 1), parts[1])))
-        refuse(fmt::format("--times {}: \"{}\" is no time; give seconds, as 0.5 or 1/125, one a "
-                           "photo with commas between",
-                           all, text));
+        refuse(
+            fmt::format("--times {}: \"{}\" is no time; give seconds, as 0.5 or 1/125, one a "
+                        "photo with commas between",
+                        all, text));
     return parts[0] / parts[1];
 }
 
@@ -80,21 +81,22 @@ std::vector<double> times_of(const MergeOptions& o) {
 
 FileFormat check_words(const MergeOptions& o) {
     if (o.photos.size() < 2)
-        refuse(fmt::format("{}: one photo is no bracket; name two or more exposures of the same "
-                           "view (convert takes a single photo as it is)",
-                           o.photos.front()));
+        refuse(
+            fmt::format("{}: one photo is no bracket; name two or more exposures of the same "
+                        "view (convert takes a single photo as it is)",
+                        o.photos.front()));
     for (std::size_t a = 0; a < o.photos.size(); ++a)
         for (std::size_t b = a + 1; b < o.photos.size(); ++b)
             if (o.photos[a] == o.photos[b])
                 refuse(fmt::format("{}: is named twice; each exposure counts once", o.photos[a]));
-    const auto format =
-        format_from_extension(std::filesystem::path(o.output).extension().string());
+    const auto format = format_from_extension(std::filesystem::path(o.output).extension().string());
     const bool fits = format && (*format == FileFormat::exr || *format == FileFormat::hdr ||
                                  (*format == FileFormat::tif && o.full_float));
     if (!fits)
-        refuse(fmt::format("-o {}: the merged photo is scene-linear light; name an .exr, a .hdr, or "
-                           "a .tif with --float",
-                           o.output));
+        refuse(
+            fmt::format("-o {}: the merged photo is scene-linear light; name an .exr, a .hdr, or "
+                        "a .tif with --float",
+                        o.output));
     if (o.full_float && *format == FileFormat::hdr)
         refuse(fmt::format("-o {}: HDR files have no 32-bit floats; leave --float out", o.output));
     for (const std::string& photo : o.photos) check_not_input(o.output, photo);
@@ -178,6 +180,43 @@ AlignOptions align_options(const std::vector<std::optional<Outline>>& balls, int
     return options;
 }
 
+/// Where the photos lie on the reference.
+struct Placed {
+    std::vector<std::optional<Outline>> balls;
+    AlignOptions options;
+    std::vector<Alignment> shifts;
+    std::vector<V2d> moves;  ///< the shifts alone
+};
+
+void take_moves(Placed& placed) {
+    placed.moves.clear();
+    for (const Alignment& a : placed.shifts) placed.moves.push_back(a.shift);
+}
+
+/// By the ball's outlines, then by the pictures.
+Placed placed_photos(const MergeOptions& o, const Bracket& bracket, const std::vector<int>& order,
+                     int reference, const Console& console) {
+    Placed placed;
+    placed.balls = balls_of(o, bracket, reference, console);
+    keep_alike(placed.balls);
+    placed.options = align_options(placed.balls, reference, bracket.size());
+    placed.shifts = align(bracket.exposed, order, reference, bracket.response, placed.options,
+                          console.watch("aligning"));
+    take_moves(placed);
+    return placed;
+}
+
+/// With the response that was found meanwhile.
+void place_again(Placed& placed, const Bracket& bracket, const std::vector<int>& order,
+                 int reference, const Response& response, const Console& console) {
+    AlignOptions options = placed.options;
+    options.hints.clear();
+    for (const Alignment& a : placed.shifts) options.hints.emplace_back(a.shift);
+    placed.shifts = align(bracket.exposed, order, reference, response, options,
+                          console.watch("aligning again"));
+    take_moves(placed);
+}
+
 /// What the pictures say of exposures and response, and which response is used.
 struct Solved {
     BracketFit fit;
@@ -204,17 +243,19 @@ Solved solve(const MergeOptions& o, const Bracket& bracket, std::span<const Patc
     if (o.response == "srgb") return assumed;
     if (!told_differ(bracket)) {
         if (o.response == "solve")
-            refuse("--response solve: needs two exposures or more that are known and differ, since "
-                   "pictures alone tell a curve up to a power only; give --times");
+            refuse(
+                "--response solve: needs two exposures or more that are known and differ, since "
+                "pictures alone tell a curve up to a power only; give --times");
         assumed.words += ", assumed, since no exposures are told that differ";
         return assumed;
     }
     how.solve_curve = true;
     Solved solved{fit_bracket(patches, bracket.exposed, bracket.told, how), "solved", {}};
-    solved.words = fmt::format("solved from {} patches (fits to {:.3f} stops, {} to {:.3f}; they "
-                               "differ by up to {:.2f} stops)",
-                               solved.fit.patches, solved.fit.rms_stops, bracket.space,
-                               assumed.fit.rms_stops, solved.fit.curve_stops);
+    solved.words = fmt::format(
+        "solved from {} patches (fits to {:.3f} stops, {} to {:.3f}; they "
+        "differ by up to {:.2f} stops)",
+        solved.fit.patches, solved.fit.rms_stops, bracket.space, assumed.fit.rms_stops,
+        solved.fit.curve_stops);
     if (o.response == "solve") return solved;
     // Another curve has to earn its place: by fitting clearly better, and being another one.
     const bool better = solved.fit.rms_stops < 0.85 * assumed.fit.rms_stops;
@@ -288,18 +329,20 @@ Anchor anchor_of(const MergeOptions& o, const Bracket& bracket, const std::vecto
         return {stops[k], exposure_facts(pass_through(bracket.photos[k]->metadata))};
     }
     if (std::ranges::none_of(bracket.told, [](const auto& t) { return !!t; }))
-        refuse(fmt::format("--anchor {}: no exposure of these photos is known, so that they cannot "
-                           "be put on an absolute scale; give --times, or name one of the photos",
-                           *o.anchor));
+        refuse(
+            fmt::format("--anchor {}: no exposure of these photos is known, so that they cannot "
+                        "be put on an absolute scale; give --times, or name one of the photos",
+                        *o.anchor));
     double ev100 = 0;
     if (CLI::detail::lexical_cast(*o.anchor, ev100) && std::isfinite(ev100))
         return ev_anchor(ev100, bracket, reference);
     const Metadata facts = exposure_facts(pass_through(read_header(*o.anchor).metadata));
     const auto exposure = exposure_of(exposure_tags(facts));
     if (!exposure)
-        refuse(fmt::format("--anchor {}: does not tell its exposure; name another photo, or an "
-                           "EV100 such as 12",
-                           *o.anchor));
+        refuse(
+            fmt::format("--anchor {}: does not tell its exposure; name another photo, or an "
+                        "EV100 such as 12",
+                        *o.anchor));
     return {std::log2(*exposure), facts};
 }
 
@@ -330,7 +373,8 @@ std::pair<Image, Image> split(const Image& pixels) {
 
 void join(const Image& rgb, Image& pixels) {
     for (int y = 0; y < pixels.height(); ++y)
-        for (int x = 0; x < pixels.width(); ++x) std::copy_n(rgb.pixel(x, y), 3, pixels.pixel(x, y));
+        for (int x = 0; x < pixels.width(); ++x)
+            std::copy_n(rgb.pixel(x, y), 3, pixels.pixel(x, y));
 }
 
 /// Paths as given; of absolute ones the names alone.
@@ -368,14 +412,15 @@ WriteReport write(const MergeOptions& o, FileFormat format, Image pixels, const 
     return write_image(o.output, pixels.view(), options);
 }
 
-void tell_shifts(const MergeOptions& o, const Bracket& bracket,
-                 const std::vector<Alignment>& shifts, int reference, const Console& console) {
+void tell_shifts(const Bracket& bracket, const std::vector<Alignment>& shifts, int reference,
+                 const Console& console) {
     for (std::size_t k = 0; k < shifts.size(); ++k) {
         const Alignment& a = shifts[k];
-        if (!a.measured && !o.no_align)
-            console.warn(fmt::format("{}: could not be laid on the others (too little that both "
-                                     "show well); taken as it lies",
-                                     bracket.exposed[k].name));
+        if (!a.measured)
+            console.warn(
+                fmt::format("{}: could not be laid on the others (too little that both "
+                            "show well); taken as it lies",
+                            bracket.exposed[k].name));
         else if (static_cast<int>(k) != reference && a.shift.length() > 0.05)
             console.say(fmt::format("{}: shifted by {:.2f},{:.2f} pixels", bracket.exposed[k].name,
                                     a.shift.x, a.shift.y));
@@ -401,8 +446,9 @@ void tell_result(const MergeOptions& o, const Merged& merged, const Console& con
                                 merged.black_everywhere));
     for (std::size_t k = 0; k < merged.moved.size(); ++k)
         if (merged.moved[k] > 0)
-            console.say(fmt::format("{}: left out in {:.2f} % of the picture, where something moved",
-                                    o.photos[k], 100 * merged.moved[k]));
+            console.say(
+                fmt::format("{}: left out in {:.2f} % of the picture, where something moved",
+                            o.photos[k], 100 * merged.moved[k]));
 }
 
 void run_merge(const MergeOptions& o) {
@@ -420,28 +466,28 @@ void run_merge(const MergeOptions& o) {
         refuse(fmt::format("--output-space {}: merged light is linear; name a linear space",
                            *o.output_space));
 
-    const std::vector<int> order = order_of(bracket);
+    std::vector<int> order = order_of(bracket);
     const int reference = order[(order.size() - 1) / 2];
-    std::vector<std::optional<Outline>> balls(bracket.photos.size());
-    std::vector<Alignment> shifts(bracket.photos.size());
-    if (!o.no_align) {
-        balls = balls_of(o, bracket, reference, console);
-        keep_alike(balls);
-        shifts = align(bracket.exposed, order, reference, bracket.response,
-                       align_options(balls, reference, bracket.size()), console.watch("aligning"));
-    }
-    std::vector<V2d> moves;
-    for (const Alignment& a : shifts) moves.push_back(a.shift);
-    tell_shifts(o, bracket, shifts, reference, console);
-
-    const auto patches = even_patches(bracket.exposed, moves, console.watch("measuring"));
+    Placed placed;
+    placed.moves.assign(bracket.photos.size(), V2d(0, 0));
+    if (!o.no_align) placed = placed_photos(o, bracket, order, reference, console);
+    const auto patches = even_patches(bracket.exposed, placed.moves, console.watch("measuring"));
     const Solved solved = solve(o, bracket, patches);
     console.say(fmt::format("response: {}", solved.words));
     const std::vector<double> stops = final_stops(bracket, solved.fit, console);
     if (std::ranges::max(stops) - std::ranges::min(stops) < 0.1)
-        console.warn(fmt::format("{}: the photos are exposed alike; noise is averaged, but there is "
-                                 "no more range than in one of them",
-                                 o.output));
+        console.warn(
+            fmt::format("{}: the photos are exposed alike; noise is averaged, but there is "
+                        "no more range than in one of them",
+                        o.output));
+    if (!o.no_align) {
+        // Once more with what is known now; the order, too.
+        std::ranges::stable_sort(order, {}, [&](int k) { return stops[at(k)]; });
+        place_again(placed, bracket, order, reference, solved.fit.response, console);
+        tell_shifts(bracket, placed.shifts, reference, console);
+    }
+    const std::vector<V2d>& moves = placed.moves;
+    const auto& balls = placed.balls;
     const Anchor anchor = anchor_of(o, bracket, stops, reference);
 
     std::vector<MergePhoto> photos;
@@ -449,8 +495,9 @@ void run_merge(const MergeOptions& o) {
         photos.push_back({bracket.exposed[k], std::exp2(stops[k] - anchor.stops), moves[k]});
     Merged merged = merge(photos, solved.fit.response, console.watch("merging"));
     tell_result(o, merged, console);
-    const WriteReport written = write(o, format, std::move(merged.pixels), bracket, reference,
-                                      balls[at(reference)], anchor, colors);
+    const WriteReport written =
+        write(o, format, std::move(merged.pixels), bracket, reference,
+              balls.empty() ? std::nullopt : balls[at(reference)], anchor, colors);
     if (written.clamped > 0)
         console.warn(fmt::format("{}: {} values above what the format holds were clamped{}",
                                  o.output, written.clamped,
@@ -462,8 +509,8 @@ void run_merge(const MergeOptions& o) {
     for (std::size_t k = 0; k < photos.size(); ++k) {
         std::optional<double> told;
         if (bracket.told[k]) told = *bracket.told[k] - anchor.stops;
-        report.photos.push_back({o.photos[k], stops[k] - anchor.stops, told, moves[k].x, moves[k].y,
-                                 merged.moved[k]});
+        report.photos.push_back(
+            {o.photos[k], stops[k] - anchor.stops, told, moves[k].x, moves[k].y, merged.moved[k]});
         console.say(fmt::format("{}: {:+.2f} stops", o.photos[k], stops[k] - anchor.stops));
     }
     if (o.json) print_result(to_json(report));

@@ -33,10 +33,10 @@ std::string to_json(const std::vector<DetectReport>& reports, bool lines);
 /// What became of one exposure of `merge`.
 struct MergedPhotoReport {
     std::string file;
-    double exposure_stops = 0;          ///< brighter than the output's unit
-    std::optional<double> told_stops;   ///< the same as its tags or --times have it
-    double shift_x = 0, shift_y = 0;    ///< what the result shows at p lies at p + shift in it
-    double moved = 0;                   ///< part of the picture in which it does not count
+    double exposure_stops = 0;         ///< brighter than the output's unit
+    std::optional<double> told_stops;  ///< the same as its tags or --times have it
+    double shift_x = 0, shift_y = 0;   ///< what the result shows at p lies at p + shift in it
+    double moved = 0;                  ///< part of the picture in which it does not count
 };
 
 struct MergeReport {

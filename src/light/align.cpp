@@ -125,63 +125,129 @@ Raster smoothed(const Raster& raster, int dx, int dy) {
     return out;
 }
 
+/// Sums over boxes of 2 r + 1 along one axis, cut at the edges.
+void box_sums(const std::vector<float>& in, Size size, int r, bool along_x,
+              std::vector<float>& out) {
+    const int lines = along_x ? size.height : size.width;
+    const int length = along_x ? size.width : size.height;
+    const auto step = static_cast<std::size_t>(along_x ? 1 : size.width);
+    for (int line = 0; line < lines; ++line) {
+        const std::size_t first =
+            static_cast<std::size_t>(line) * static_cast<std::size_t>(along_x ? size.width : 1);
+        const auto at = [&](int i) { return first + static_cast<std::size_t>(i) * step; };
+        double sum = 0;
+        for (int i = 0; i < std::min(r, length); ++i) sum += static_cast<double>(in[at(i)]);
+        for (int i = 0; i < length; ++i) {
+            if (i + r < length) sum += static_cast<double>(in[at(i + r)]);
+            if (i - r - 1 >= 0) sum -= static_cast<double>(in[at(i - r - 1)]);
+            out[at(i)] = static_cast<float>(sum);
+        }
+    }
+}
+
+/// Less the mean around each pixel: over gentle slopes an error of the curve or of the exposure
+/// would look like a shift. Where much around is missing the mean is of another place, so nothing
+/// stays.
+Raster without_mean(const Raster& raster) {
+    const int r = std::clamp(std::max(raster.size.width, raster.size.height) / 12, 2, 8);
+    Raster out(raster.size);
+    std::vector<float> values(raster.value.size()), there(raster.value.size());
+    std::vector<float> sums(raster.value.size()), counts(raster.value.size());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        there[i] = raster.weight[i] > 0 ? 1 : 0;
+        values[i] = there[i] * raster.value[i];
+    }
+    box_sums(values, raster.size, r, true, sums);
+    box_sums(sums, raster.size, r, false, values);
+    box_sums(there, raster.size, r, true, sums);
+    box_sums(sums, raster.size, r, false, counts);
+    const float enough = 0.98f * static_cast<float>((2 * r + 1) * (2 * r + 1));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!(raster.weight[i] > 0 && counts[i] > enough)) continue;
+        out.value[i] = raster.value[i] - values[i] / counts[i];
+        out.weight[i] = raster.weight[i];
+    }
+    return out;
+}
+
+/// A photo at all sizes, the finest first.
+struct Pyramid {
+    std::vector<Raster> levels;  ///< less their local means
+    Raster coarsest;             ///< whole
+};
+
 /// Smooth, since between noisy pixels a mean of two is less noisy, which draws shifts to halves.
-std::vector<Raster> pyramid(Raster finest) {
-    std::vector<Raster> levels;
+Pyramid pyramid(Raster finest) {
+    Pyramid made;
+    std::vector<Raster>& levels = made.levels;
     levels.push_back(std::move(finest));
     while (std::max(levels.back().size.width, levels.back().size.height) >= 2 * kCoarsest)
         levels.push_back(half(levels.back()));
-    for (Raster& level : levels) level = smoothed(smoothed(level, 1, 0), 0, 1);
-    return levels;
+    made.coarsest = levels.back();
+    for (Raster& level : levels) level = without_mean(smoothed(smoothed(level, 1, 0), 0, 1));
+    return made;
 }
 
-/// What a raster says at a place between pixels, and its slopes.
+/// What a raster says at a place between pixels.
 struct Sample {
-    double value, dx, dy, weight;
+    double value, weight;
 };
 
 /// Bilinear, weight 0 where a neighbour is missing.
 Sample sample(const Raster& r, double x, double y) {
     const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-    if (x0 < 0 || y0 < 0 || x0 + 1 >= r.size.width || y0 + 1 >= r.size.height) return {0, 0, 0, 0};
+    if (x0 < 0 || y0 < 0 || x0 + 1 >= r.size.width || y0 + 1 >= r.size.height) return {0, 0};
     const std::size_t at = r.at(x0, y0), below = r.at(x0, y0 + 1);
     const float least =
         std::min({r.weight[at], r.weight[at + 1], r.weight[below], r.weight[below + 1]});
-    if (!(least > 0)) return {0, 0, 0, 0};
-    const double u = x - x0, v = y - y0;
-    const auto a = static_cast<double>(r.value[at]), b = static_cast<double>(r.value[at + 1]);
-    const auto c = static_cast<double>(r.value[below]), d = static_cast<double>(r.value[below + 1]);
-    return {(1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d),
-            (1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b),
-            static_cast<double>(least)};
+    if (!(least > 0)) return {0, 0};
+    const auto u = static_cast<float>(x - x0), v = static_cast<float>(y - y0);
+    const float top = (1 - u) * r.value[at] + u * r.value[at + 1];
+    const float bottom = (1 - u) * r.value[below] + u * r.value[below + 1];
+    return {static_cast<double>((1 - v) * top + v * bottom), static_cast<double>(least)};
 }
 
-/// Of one photo on another: shift in the raster's pixels and the difference in exposure.
+/// Central differences, which do not go with the pixel's own noise; nothing at an edge.
+std::optional<V2d> slope(const Raster& r, int x, int y) {
+    if (x < 1 || y < 1 || x + 1 >= r.size.width || y + 1 >= r.size.height) return std::nullopt;
+    const std::size_t left = r.at(x - 1, y), right = r.at(x + 1, y);
+    const std::size_t above = r.at(x, y - 1), below = r.at(x, y + 1);
+    if (!(std::min({r.weight[left], r.weight[right], r.weight[above], r.weight[below]}) > 0))
+        return std::nullopt;
+    return V2d(static_cast<double>(r.value[right] - r.value[left]) / 2,
+               static_cast<double>(r.value[below] - r.value[above]) / 2);
+}
+
+/// Of one photo on another, in the raster's pixels.
 struct Fit {
     V2d shift{0, 0};
-    double offset = 0;       ///< natural logarithm, other less reference
     double deviation = 1e9;  ///< of the shift, pixels
-    double spread = 0.3;     ///< of what does not fit, natural logarithm
+    double spread = 0.3;     ///< of what does not fit, natural logarithm; bounded below
+    double misfit = 0;       ///< the same before the last step, not bounded
     std::size_t pixels = 0;
 };
 
-/// One step of Gauss and Newton; false where the rasters share too little.
+/// One step of Gauss and Newton, with the reference's slopes; false where the rasters share too
+/// little.
 bool improve(const Raster& reference, const Raster& other, Fit& fit) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
     double squares = 0, total = 0;
     std::size_t pixels = 0;
     for (int y = 0; y < reference.size.height; ++y)
         for (int x = 0; x < reference.size.width; ++x) {
             const std::size_t at = reference.at(x, y);
             if (!(reference.weight[at] > 0)) continue;
+            const auto rise = slope(reference, x, y);
+            if (!rise) continue;
             const Sample s = sample(other, x + fit.shift.x, y + fit.shift.y);
             if (!(s.weight > 0)) continue;
-            const double off = s.value - static_cast<double>(reference.value[at]) - fit.offset;
+            const double off = s.value - static_cast<double>(reference.value[at]);
             const double far = off / (2 * fit.spread);
-            const double weight = 1 / (1 / s.weight + 1 / static_cast<double>(reference.weight[at])) /
+            const double weight = 1 /
+                                  (1 / s.weight + 1 / static_cast<double>(reference.weight[at])) /
                                   (1 + far * far) / (1 + far * far);
-            const Eigen::Vector3d row(s.dx, s.dy, -1);
+            const Eigen::Vector2d row(rise->x, rise->y);
             normal += weight * row * row.transpose();
             right -= weight * off * row;
             squares += weight * off * off;
@@ -191,17 +257,17 @@ bool improve(const Raster& reference, const Raster& other, Fit& fit) {
     fit.pixels = pixels;
     constexpr std::size_t kFewest = 200;
     if (pixels < kFewest || !(normal(0, 0) > 0 && normal(1, 1) > 0)) return false;
-    normal += 1e-9 * normal.trace() * Eigen::Matrix3d::Identity();
+    normal += 1e-9 * normal.trace() * Eigen::Matrix2d::Identity();
     const auto factors = normal.ldlt();
-    const Eigen::Vector3d change = factors.solve(right);
+    const Eigen::Vector2d change = factors.solve(right);
     if (!change.allFinite()) return false;
     // No further than the slopes reach.
     const double length = std::hypot(change[0], change[1]);
     const double part = length > 2 ? 2 / length : 1;
     fit.shift += V2d(change[0], change[1]) * part;
-    fit.offset += change[2];
-    fit.spread = std::max(0.01, std::sqrt(squares / total));
-    const Eigen::Matrix3d inverse = factors.solve(Eigen::Matrix3d::Identity());
+    fit.misfit = std::sqrt(squares / total);
+    fit.spread = std::max(0.01, fit.misfit);
+    const Eigen::Matrix2d inverse = factors.solve(Eigen::Matrix2d::Identity());
     // Residuals of neighbouring pixels go together, as edges do.
     constexpr double kTogether = 16;
     fit.deviation = std::sqrt(kTogether * (inverse(0, 0) + inverse(1, 1)) * squares / total *
@@ -250,21 +316,28 @@ V2d coarse_shift(const Raster& reference, const Raster& other) {
     return best;
 }
 
-/// Other on reference, in the finest level's pixels; nothing where they share too little.
-std::optional<Fit> fit(const std::vector<Raster>& reference, const std::vector<Raster>& other,
-                       const std::optional<V2d>& hint) {
+/// On a tripod photos lie still. A fraction of a pixel that hardly fits better than none is an
+/// error: JPEG's errors go together over blocks, and where two photos share little they draw the
+/// shift along.
+void settle(const Raster& reference, const Raster& other, Fit& fit) {
+    constexpr double kFraction = 0.5, kHardlyBetter = 1.05;
+    if (fit.shift.length() > kFraction) return;
+    Fit still = fit, here = fit;
+    still.shift = V2d(0, 0);
+    if (improve(reference, other, still) && improve(reference, other, here) &&
+        still.misfit < kHardlyBetter * here.misfit)
+        fit.shift = V2d(0, 0);
+}
+
+/// Other on reference from a first guess in the finest level's pixels, starting at a level; nothing
+/// where they share too little.
+std::optional<Fit> fit_from(const Pyramid& reference, const Pyramid& other, V2d guess, int level) {
     Fit now;
-    int level = static_cast<int>(reference.size()) - 1;
-    if (hint) {
-        level = std::min(level, 3);  // 2 pixels are a quarter there
-        now.shift = *hint / std::exp2(level);
-    } else {
-        now.shift = coarse_shift(reference.back(), other.back());
-    }
+    now.shift = guess / std::exp2(level);
     bool good = false;
     for (; level >= 0; --level) {
-        const auto& a = reference[static_cast<std::size_t>(level)];
-        const auto& b = other[static_cast<std::size_t>(level)];
+        const auto& a = reference.levels[static_cast<std::size_t>(level)];
+        const auto& b = other.levels[static_cast<std::size_t>(level)];
         Fit here = now;
         here.spread = 0.3;
         good = true;
@@ -276,7 +349,23 @@ std::optional<Fit> fit(const std::vector<Raster>& reference, const std::vector<R
         if (good) now = here;
         if (level > 0) now.shift *= 2;
     }
-    return good ? std::optional(now) : std::nullopt;
+    if (!good) return std::nullopt;
+    settle(reference.levels.front(), other.levels.front(), now);
+    return now;
+}
+
+/// Other on reference, in the finest level's pixels; nothing where they share too little.
+std::optional<Fit> fit(const Pyramid& reference, const Pyramid& other,
+                       const std::optional<V2d>& hint) {
+    const int coarsest = static_cast<int>(reference.levels.size()) - 1;
+    // A few pixels are a fraction of one four levels up.
+    if (hint) return fit_from(reference, other, *hint, std::min(coarsest, 4));
+    const V2d coarse = coarse_shift(reference.coarsest, other.coarsest);
+    auto found = fit_from(reference, other, coarse * std::exp2(coarsest), coarsest);
+    if (coarse == V2d(0, 0)) return found;
+    // Photos mostly lie nearly still; what is far off has to fit better.
+    const auto still = fit_from(reference, other, V2d(0, 0), coarsest);
+    return still && (!found || still->misfit <= found->misfit) ? still : found;
 }
 
 Window everything(Size size) { return {0, 0, size}; }
@@ -290,9 +379,8 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
     assert(options.hints.empty() || options.hints.size() == photos.size());
     const Size size = photos.front().size;
     const Window region = options.region.value_or(everything(size));
-    const int factor =
-        1 + (std::max(region.size.width, region.size.height) - 1) / kLongest;
-    std::vector<std::vector<Raster>> levels(photos.size());
+    const int factor = 1 + (std::max(region.size.width, region.size.height) - 1) / kLongest;
+    std::vector<Pyramid> levels(photos.size());
     for (std::size_t k = 0; k < photos.size(); ++k) {
         levels[k] = pyramid(raster_of(photos[k], response, region, factor));
         watch.check();
@@ -314,8 +402,9 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
             const auto here = hint(photo), there = hint(neighbour);
             std::optional<V2d> between;
             if (here && there) between = (*here - *there) / factor;
-            fits[static_cast<std::size_t>(i)] = fit(levels[static_cast<std::size_t>(neighbour)],
-                                                    levels[static_cast<std::size_t>(photo)], between);
+            fits[static_cast<std::size_t>(i)] =
+                fit(levels[static_cast<std::size_t>(neighbour)],
+                    levels[static_cast<std::size_t>(photo)], between);
         },
         watch);
     std::vector<Alignment> found(photos.size());

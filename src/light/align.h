@@ -19,7 +19,7 @@ struct Alignment {
 struct AlignOptions {
     /// Where in the reference to look; absent: everywhere.
     std::optional<Window> region = std::nullopt;
-    /// For each photo a shift known beforehand to about 2 pixels, from the ball's outlines; an
+    /// For each photo a shift known beforehand to a few pixels, from the ball's outlines; an
     /// empty one where there is none. Or no entries at all.
     std::vector<std::optional<V2d>> hints = {};
 };
@@ -28,9 +28,9 @@ struct AlignOptions {
 /// logarithm fits where both show it: each photo is laid on its neighbour in the order given, the
 /// shifts are added up.
 ///
-/// Lucas and Kanade: An Iterative Image Registration Technique, 1981, over a pyramid; here with a
-/// third unknown for the difference in exposure, weights by the noise of the logarithm, and little
-/// weight for what moved.
+/// Lucas and Kanade: An Iterative Image Registration Technique, 1981, over a pyramid; here of the
+/// logarithm less its local mean, which neither exposure nor a curve that is a little wrong
+/// changes, with weights by its noise, and little weight for what moved.
 ///
 /// order       the photos' numbers from dark to bright
 /// reference   the number of the photo that stays

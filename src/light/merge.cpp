@@ -24,8 +24,8 @@ constexpr Top kLinear{0.90f, 0.97f};
 /// From here on a number is clipped and not only too near to it.
 constexpr float kClipped = 0.98f;
 
-/// One photo's rows as they lie on the merged picture: per pixel and channel light in the photo's own
-/// unit, light per stored number, and how far it counts by being below white.
+/// One photo's rows as they lie on the merged picture: per pixel and channel light in the photo's
+/// own unit, light per stored number, and how far it counts by being below white.
 struct Rows {
     Image light, slope, usable, clipped;
 
@@ -43,8 +43,8 @@ float below_white(float stored, float white, Top top) {
 /// Catmull and Rom's weights at t in [0, 1) for the samples at -1, 0, 1, 2.
 std::array<float, 4> cubic(float t) {
     const float t2 = t * t, t3 = t2 * t;
-    return {0.5f * (-t3 + 2 * t2 - t), 0.5f * (3 * t3 - 5 * t2 + 2),
-            0.5f * (-3 * t3 + 4 * t2 + t), 0.5f * (t3 - t2)};
+    return {0.5f * (-t3 + 2 * t2 - t), 0.5f * (3 * t3 - 5 * t2 + 2), 0.5f * (-3 * t3 + 4 * t2 + t),
+            0.5f * (t3 - t2)};
 }
 
 /// Reads one photo so that it lies on the merged picture.
@@ -82,8 +82,7 @@ public:
                                static_cast<std::ptrdiff_t>(size.width) * 3});
         const Rows decoded = decode(stored, bottom - top);
         for (int y = first; y < last; ++y)
-            for (int x = 0; x < size.width; ++x)
-                put(decoded, top, bottom, x, y, y - first, out);
+            for (int x = 0; x < size.width; ++x) put(decoded, top, bottom, x, y, y - first, out);
     }
 
 private:
@@ -179,8 +178,7 @@ public:
         weight *= exposure * exposure / variance;
         sum_ += weight;
         mean_ += weight * radiance;
-        if (allowed > 0.5f)
-            bound_ = std::max(bound_, radiance - 2 * unit * std::sqrt(variance));
+        if (allowed > 0.5f) bound_ = std::max(bound_, radiance - 2 * unit * std::sqrt(variance));
     }
 
     bool good() const { return good_; }
@@ -221,8 +219,7 @@ Spot largest_spot(std::vector<char> marked, Size size) {
                     spot.push_back(at);
                 }
         }
-        if (spot.size() > best.pixels)
-            best = {sum / static_cast<double>(spot.size()), spot.size()};
+        if (spot.size() > best.pixels) best = {sum / static_cast<double>(spot.size()), spot.size()};
     }
     return best;
 }
@@ -269,13 +266,16 @@ private:
                int y, float* out, bool& clips) const {
         std::array<Mean, 3> mean;
         bool clipped = true;
+        double shortest = 0;  // of those that count here
         for (std::size_t k = 0; k < photos_.size(); ++k) {
             const Rows& row = rows[k];
             const float* light = row.light.pixel(x, y);
             const float* slope = row.slope.pixel(x, y);
             const float* usable = row.usable.pixel(x, y);
-            if (usable[0] >= 0 && allowed[k][static_cast<std::size_t>(x)] > 0)
+            if (usable[0] >= 0 && allowed[k][static_cast<std::size_t>(x)] > 0) {
                 clipped = clipped && *row.clipped.pixel(x, y) > 0;
+                if (!(shortest > 0)) shortest = photos_[k].exposure;
+            }
             for (std::size_t c = 0; c < 3; ++c) {
                 const auto variance = static_cast<float>(
                     noise_variance(photos_[k].photo, static_cast<double>(light[c]),
@@ -286,12 +286,16 @@ private:
         }
         float variance[3];
         bool good = true;
+        for (const Mean& channel : mean) good = good && channel.good();
+        clips = !good && clipped;
         for (std::size_t c = 0; c < 3; ++c) {
-            good = good && mean[c].good();
             out[c] = mean[c].any() ? std::max(0.0f, mean[c].value()) : 0;
             variance[c] = mean[c].any() ? mean[c].variance() : 0;
+            // Beside a clipped channel JPEG's colours are smeared; it is as bright as that at
+            // least.
+            if (clips && !mean[c].good() && shortest > 0)
+                out[c] = std::max(out[c], static_cast<float>(1 / shortest));
         }
-        clips = !good && clipped;
         const double light = luminance(out);
         const double sigma = std::sqrt(luminance(variance));
         const bool black = !clips && !(light > sigma);

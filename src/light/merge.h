@@ -33,11 +33,10 @@ struct Merged {
 /// The means of the exposures, weighted by one over the variance of light as the noise model has
 /// it; Granados et al.: Optimal HDR Reconstruction with Linear Digital Cameras, 2010.
 ///
-/// Left out, a channel at a time: what is clipped or near it; what is not clipped although the shorter
-/// exposures say that it must be (JPEG's ringing and smeared colour beside lamps). Where photos
-/// contradict each other over a region, one of them (the one most agree with) and those that agree
-/// with it count there. Where all clip the shortest one's number stands: at least so bright.
-Merged merge(std::span<const MergePhoto> photos, const Response& response,
-             const Watch& watch = {});
+/// Left out, a channel at a time: what is clipped or near it; what is not clipped although the
+/// shorter exposures say that it must be (JPEG's ringing and smeared colour beside lamps). Where
+/// photos contradict each other, those that most of the others contradict do not count. Where all
+/// clip the shortest one's number stands: at least so bright.
+Merged merge(std::span<const MergePhoto> photos, const Response& response, const Watch& watch = {});
 
 }  // namespace chromeball

@@ -54,8 +54,8 @@ CellLight cell_light(const MergePhoto& photo, const Response& response, ImageVie
             }
         const float mean = sum / count;
         const float z = rows.pixel(left + cell / 2, cell / 2)[c];
-        variance = static_cast<float>(noise_variance(
-            photo.photo, static_cast<double>(mean), static_cast<double>(response.slope(z))));
+        variance = static_cast<float>(noise_variance(photo.photo, static_cast<double>(mean),
+                                                     static_cast<double>(response.slope(z))));
         // Rounding does not average out where all pixels are alike.
         const float texture = std::sqrt(std::max(0.0f, square / count - mean * mean));
         light.mean[c] = mean * unit;
@@ -192,42 +192,64 @@ float shown(const CellLight& light) {
     return mean > 0 ? mean / (mean + 4 * sigma) : 0;
 }
 
-/// The photo that decides in a region: shows it, and agrees with others.
-std::size_t decider(const Cells& cells, const std::vector<std::size_t>& region, float threshold) {
-    std::size_t best = 0;
-    double most = -1;
-    for (std::size_t k = 0; k < cells.photos(); ++k) {
-        double score = 0;
-        for (const std::size_t cell : region) {
-            const CellLight& mine = cells.at(cell, k);
-            const float visible = shown(mine);
-            if (!(visible > 0)) continue;
-            double agree = 0;
-            for (std::size_t other = 0; other < cells.photos(); ++other)
-                if (other != k && tells(cells.at(cell, other)))
-                    agree += contradiction(mine, cells.at(cell, other)) <= threshold;
-            score += static_cast<double>(visible) * (1 + agree);
-        }
-        if (score > most) most = score, best = k;
-    }
-    return best;
+/// Of each photo, how many others contradict it in a cell, of those that still count.
+std::vector<int> contradicted(const Cells& cells, std::size_t cell, const std::vector<bool>& out,
+                              float threshold) {
+    std::vector<int> count(cells.photos());
+    for (std::size_t a = 0; a < cells.photos(); ++a)
+        for (std::size_t b = a + 1; b < cells.photos(); ++b)
+            if (!out[a] && !out[b] &&
+                contradiction(cells.at(cell, a), cells.at(cell, b)) > threshold)
+                ++count[a], ++count[b];
+    return count;
 }
 
-/// Who counts in a cell: the decider and who agrees; where it does not show the cell, the darkest
-/// that does and who agrees with that one.
-void decide(const Cells& cells, std::size_t cell, std::size_t decider, float threshold,
-            GhostMap& map) {
-    std::size_t chosen = decider;
-    if (!tells(cells.at(cell, decider))) {
-        float most = 0;
-        for (std::size_t k = 0; k < cells.photos(); ++k) {
-            if (contradiction(cells.at(cell, decider), cells.at(cell, k)) > threshold) continue;
-            if (shown(cells.at(cell, k)) > most) most = shown(cells.at(cell, k)), chosen = k;
-        }
+/// How little each photo is to be believed in a region: how many contradict it there, and where
+/// that is equal, how little it shows.
+std::vector<double> doubts(const Cells& cells, const std::vector<std::size_t>& region,
+                           float threshold) {
+    std::vector<double> doubt(cells.photos());
+    const std::vector<bool> none(cells.photos());
+    for (const std::size_t cell : region) {
+        const auto count = contradicted(cells, cell, none, threshold);
+        for (std::size_t k = 0; k < doubt.size(); ++k)
+            doubt[k] += count[k] + 0.01 * (1 - static_cast<double>(shown(cells.at(cell, k))));
     }
-    for (std::size_t k = 0; k < cells.photos(); ++k)
-        if (k != chosen && contradiction(cells.at(cell, chosen), cells.at(cell, k)) > threshold)
-            map.allowed[k][cell] = 0;
+    for (double& d : doubt) d /= static_cast<double>(region.size());
+    return doubt;
+}
+
+/// Leaves out who is contradicted most, until nobody is.
+void decide(const Cells& cells, std::size_t cell, const std::vector<double>& doubt, float threshold,
+            GhostMap& map) {
+    std::vector<bool> out(cells.photos());
+    for (std::size_t round = 0; round + 1 < cells.photos(); ++round) {
+        const auto count = contradicted(cells, cell, out, threshold);
+        std::size_t worst = cells.photos();
+        for (std::size_t k = 0; k < count.size(); ++k)
+            if (count[k] > 0 &&
+                (worst == cells.photos() || count[k] + doubt[k] > count[worst] + doubt[worst]))
+                worst = k;
+        if (worst == cells.photos()) return;
+        out[worst] = true;
+        map.allowed[worst][cell] = 0;
+    }
+}
+
+/// What is left out in a cell is left out beside it, too, where others show it: the edge of what
+/// moved covers a part of a cell only.
+void widen(const Cells& cells, GhostMap& map) {
+    const auto before = map.allowed;
+    for (std::size_t cell = 0; cell < map.size.pixels(); ++cell)
+        for (std::size_t k = 0; k < cells.photos(); ++k) {
+            if (before[k][cell] == 0) continue;
+            bool beside = false;
+            for_neighbours(map.size, cell, [&](std::size_t n) { beside |= before[k][n] == 0; });
+            bool others = false;
+            for (std::size_t j = 0; j < cells.photos(); ++j)
+                others |= j != k && map.allowed[j][cell] > 0 && tells(cells.at(cell, j));
+            if (beside && others) map.allowed[k][cell] = 0;
+        }
 }
 
 }  // namespace
@@ -270,9 +292,10 @@ GhostMap find_ghosts(std::span<const MergePhoto> photos, const Response& respons
     for (std::size_t cell = 0; cell < flags.size(); ++cell) {
         if (!flags[cell]) continue;
         const auto region = take_region(flags, map.size, cell);
-        const std::size_t best = decider(cells, region, threshold);
-        for (const std::size_t one : region) decide(cells, one, best, threshold, map);
+        const auto doubt = doubts(cells, region, threshold);
+        for (const std::size_t one : region) decide(cells, one, doubt, threshold, map);
     }
+    widen(cells, map);
     return map;
 }
 

@@ -24,9 +24,10 @@ struct GhostMap {
 };
 
 /// Cells in which photos contradict each other by more than noise, rounding, and what a shift of a
-/// fraction of a pixel makes; joined to regions; in each region the photo that most others agree with,
-/// and shows most of it, decides who counts. (Gallo et al.: Artifact-free High Dynamic Range
-/// Imaging, 2009, by patches.) `photos` from the shortest exposure to the longest.
+/// fraction of a pixel makes; joined to regions. In each cell the photo that most others contradict
+/// is left out, until none is; between equals the region decides. (Gallo et al.: Artifact-free High
+/// Dynamic Range Imaging, 2009, by patches, without a reference chosen by hand.)
+/// `photos` from the shortest exposure to the longest.
 GhostMap find_ghosts(std::span<const MergePhoto> photos, const Response& response,
                      const Watch& watch = {});
 

@@ -26,8 +26,8 @@ float srgb_light(float v) {
 /// Mean of a patch in one photo, NaN where it is not well shown.
 std::array<float, 3> patch_mean(ImageView<const float> rows, int x, const ExposedPhoto& photo) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    const float white =
-        std::isfinite(photo.white) ? static_cast<float>(photo.white) : std::numeric_limits<float>::max();
+    const float white = std::isfinite(photo.white) ? static_cast<float>(photo.white)
+                                                   : std::numeric_limits<float>::max();
     std::array<float, 3> mean{nan, nan, nan};
     for (int c = 0; c < 3; ++c) {
         float sum = 0, square = 0, most = 0;
@@ -49,8 +49,8 @@ std::array<float, 3> patch_mean(ImageView<const float> rows, int x, const Expose
 }
 
 /// The patches of one row of them, in all photos.
-std::vector<Patch> patches_of_row(std::span<const ExposedPhoto> photos,
-                                  std::span<const V2d> shifts, int y) {
+std::vector<Patch> patches_of_row(std::span<const ExposedPhoto> photos, std::span<const V2d> shifts,
+                                  int y) {
     const Size size = photos.front().size;
     const int count = size.width / kPatch;
     std::vector<Patch> patches(static_cast<std::size_t>(count));
@@ -65,8 +65,7 @@ std::vector<Patch> patches_of_row(std::span<const ExposedPhoto> photos,
         for (int i = 0; i < count; ++i) {
             const int x = i * kPatch + dx;
             if (x < 0 || x + kPatch > size.width) continue;
-            patches[static_cast<std::size_t>(i)].stored[k] =
-                patch_mean(rows.view(), x, photos[k]);
+            patches[static_cast<std::size_t>(i)].stored[k] = patch_mean(rows.view(), x, photos[k]);
         }
     }
     std::erase_if(patches, [](const Patch& patch) {
@@ -208,7 +207,8 @@ private:
         if (splines_ == 0) return 0;
         const Splines s(stored);
         double sum = 0;
-        for (int i = 0; i < 4; ++i) sum += s.value[static_cast<std::size_t>(i)] * unknown_[s.first + i];
+        for (int i = 0; i < 4; ++i)
+            sum += s.value[static_cast<std::size_t>(i)] * unknown_[s.first + i];
         return sum;
     }
 
@@ -452,8 +452,8 @@ std::vector<Patch> even_patches(std::span<const ExposedPhoto> photos, std::span<
     std::vector<std::vector<Patch>> by_brightness(kBrightnesses);
     for (auto& row : found)
         for (Patch& patch : row) {
-            const auto at = static_cast<std::size_t>(
-                std::clamp(brightness(patch), 0.0, 0.999) * kBrightnesses);
+            const auto at =
+                static_cast<std::size_t>(std::clamp(brightness(patch), 0.0, 0.999) * kBrightnesses);
             by_brightness[at].push_back(std::move(patch));
         }
     std::vector<Patch> chosen;

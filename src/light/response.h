@@ -51,8 +51,8 @@ private:
     float last_ = 0;  ///< the last node's number
 };
 
-/// A small even part of the scene: its mean stored numbers in each photo; NaN where a photo does not
-/// show it well (clipped, black, uneven, outside).
+/// A small even part of the scene: its mean stored numbers in each photo; NaN where a photo does
+/// not show it well (clipped, black, uneven, outside).
 struct Patch {
     std::vector<std::array<float, 3>> stored;
 };
@@ -73,7 +73,8 @@ struct BracketFitOptions {
 struct BracketFit {
     Response response = Response::linear();
     /// log2 of each photo's exposure as the pictures show it, in the told ones' unit; where none
-    /// was told, one photo's is 0. Nothing where a photo shares no well exposed part with the others.
+    /// was told, one photo's is 0. Nothing where a photo shares no well exposed part with the
+    /// others.
     std::vector<std::optional<double>> stops;
     double rms_stops = 0;  ///< how far patches are from it
     /// The largest difference of the solved curve from the assumed one, where patches show it.
@@ -82,12 +83,13 @@ struct BracketFit {
 };
 
 /// Debevec and Malik: Recovering High Dynamic Range Radiance Maps from Photographs, 1997, eq. 3:
-/// ln f(z) = ln E + ln t for all patches and photos by least squares, robustly, f smooth and rising.
+/// ln f(z) = ln E + ln t for all patches and photos by least squares, robustly, f smooth and
+/// rising.
 ///
-/// Exposures and curve together are known up to a power only (Grossberg and Nayar: What Can Be Known
-/// about the Radiometric Response from Images?, 2002): a curve is solved with the told exposures as
-/// they are (at least two that differ), those not told with it. Told ones that fit much better when
-/// they are not believed are not. Then, with the curve, all exposures are solved.
+/// Exposures and curve together are known up to a power only (Grossberg and Nayar: What Can Be
+/// Known about the Radiometric Response from Images?, 2002): a curve is solved with the told
+/// exposures as they are (at least two that differ), those not told with it. Told ones that fit
+/// much better when they are not believed are not. Then, with the curve, all exposures are solved.
 ///
 /// told     log2 of each photo's exposure, where it is known
 BracketFit fit_bracket(std::span<const Patch> patches, std::span<const ExposedPhoto> photos,
