@@ -67,7 +67,7 @@ Rotation world_rotation(const ConvertOptions& o, const Photo* photo, const Conso
 }
 
 Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
-    PhotoJob job = open_photo(o.input, o.photo, console.watch("searching"));
+    PhotoJob job = open_photo(o.input, o.photo, console.watch("searching"), !o.verify);
     if (!job.ball.found) throw no_ball(job, o.photo.threshold);
     const MirrorBall ball = projection_of(job);
     for (const std::string& warning : job.warnings) console.warn(warning);
@@ -75,7 +75,7 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
 
     // Of a crop everything is needed, and its outline is that of the whole photo.
     BallLight light = ball_light(job, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0,
-                                 o.photo.cropped, o.color, o.map, colors);
+                                 o.photo.cropped, o.color, o.map, colors, o.verify);
     for (const std::string& warning : light.warnings) console.warn(warning);
     console.say(fmt::format("{}: {}x{} pixels, colour space {}", o.input, job.photo.display.width,
                             job.photo.display.height, light.space));

@@ -4,8 +4,11 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <atomic>
 
 #include "core/error.h"
+#include "core/parallel.h"
+#include "io/read.h"
 #include "numbers.h"
 #include "options.h"
 #include "resample/simd.h"
@@ -170,20 +173,49 @@ std::optional<Rotation> told_rotation(const MapOptions& o) {
 
 BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
                      const ColorOptions& color, const MapOptions& options,
-                     const ColorConfig& colors) {
+                     const ColorConfig& colors, bool keep_pixels) {
     BallLight light;
     std::string tag_warning;
     light.space = colors.input_space(job.photo, color.input_space, &tag_warning);
     if (!tag_warning.empty()) light.warnings.push_back(tag_warning);
-    light.region = whole ? job.photo.window : needed_window(ball.outline(), job.photo.window);
-    std::size_t bad = 0;
-    light.pixels = colors.to_working(job.photo, light.space, light.region, &bad);
-    if (bad > 0) light.warnings.push_back(bad_pixel_warning(job.photo.name, bad));
-    if (options.reflectance) undo_reflectance(light.pixels, *options.reflectance);
+    const Window& region = light.region =
+        whole ? job.photo.window : needed_window(ball.outline(), job.photo.window);
+    std::atomic<std::size_t> all_bad = 0;
+    const auto working = [&](const Photo& photo, const Window& part) {
+        std::size_t bad = 0;
+        Image pixels = colors.to_working(photo, light.space, part, &bad);
+        if (options.reflectance) undo_reflectance(pixels, *options.reflectance);
+        all_bad += bad;
+        return pixels;
+    };
     Affine to_pixels = job.ball.to_pixels;
-    to_pixels.x0 -= light.region.x;
-    to_pixels.y0 -= light.region.y;
-    light.source = ball_source(light.pixels, ball, to_pixels, lens_blur);
+    to_pixels.x0 -= region.x;
+    to_pixels.y0 -= region.y;
+    if (keep_pixels) {
+        light.pixels = working(job.photo, region);
+        light.source = ball_source(light.pixels, ball, to_pixels, lens_blur);
+    } else {
+        BallSourceMaker maker(region.size, ball, to_pixels, lens_blur);
+        const auto take = [&](const Photo& band) {
+            const int top = std::max(region.y, band.window.y);
+            const int bottom =
+                std::min(region.y + region.size.height, band.window.y + band.window.size.height);
+            constexpr int kRows = 32;  // whose pixels, stored and working, stay in a core's cache
+            for_each_band(bottom - top, kRows, [&](int first, int last) {
+                const Window part{region.x, top + first, {region.size.width, last - first}};
+                maker.add(part.y - region.y, working(band, part).view());
+            });
+        };
+        if (job.unread) {
+            ReadOptions read = *job.unread;
+            read.bands = take;
+            read_photo(job.photo.name, read);
+        } else {
+            take(job.photo);
+        }
+        light.source = maker.finish();
+    }
+    if (all_bad > 0) light.warnings.push_back(bad_pixel_warning(job.photo.name, all_bad));
     return light;
 }
 

@@ -46,15 +46,16 @@ std::optional<Rotation> told_rotation(const MapOptions& options);
 /// The ball of a photo as light in the working space.
 struct BallLight {
     Source source;
-    Image pixels;   ///< the part of the photo that was taken
+    Image pixels;   ///< the part of the photo that was taken, if that is to be kept
     Window region;  ///< where that lies
     std::string space;
     std::vector<std::string> warnings;
 };
-/// lens_blur: standard deviation, pixels. Of a crop (`whole`) all is taken.
+/// lens_blur: standard deviation, pixels. Of a crop (`whole`) all is taken. Pixels that are still
+/// in the file are read now.
 BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
                      const ColorOptions& color, const MapOptions& options,
-                     const ColorConfig& colors);
+                     const ColorConfig& colors, bool keep_pixels = false);
 
 /// How the map is resampled: rotation into the output's frame, filter.
 ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,

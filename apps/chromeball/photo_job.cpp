@@ -173,20 +173,26 @@ DetectOptions search_options(const PhotoOptions& options, const CameraChoice& ca
     return search;
 }
 
-PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch) {
+PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch,
+                    bool put_off) {
     const int ways = options.ball.has_value() + options.ellipse.has_value() + options.cropped;
     if (ways > 1) refuse("more than one of --ball, --ellipse and --cropped; give one");
 
     PhotoJob job;
-    ReadOptions read{options.max_pixels, std::nullopt};
+    ReadOptions read{.max_pixels = options.max_pixels};
     const bool told = options.ball || options.ellipse;
     if (told) {
-        const Photo header = read_header(path, read);
-        const FoundBall ball = told_ball(header, options);
-        const Window rows = needed_window(ball.outline, header.window);
+        job.photo = read_header(path, read);
+        const FoundBall ball = told_ball(job.photo, options);
+        const Window rows = needed_window(ball.outline, job.photo.window);
         read.rows = std::pair(rows.y, rows.y + rows.size.height);
+        job.photo.window.y = rows.y;
+        job.photo.window.size.height = rows.size.height;
     }
-    job.photo = read_photo(path, read);
+    if (told && put_off)
+        job.unread = read;
+    else
+        job.photo = read_photo(path, read);
     watch.check();
     job.camera = choose_camera(options, job.photo);
     if (told) {

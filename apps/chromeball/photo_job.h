@@ -11,6 +11,7 @@
 #include "console.h"
 #include "core/photo.h"
 #include "detect/detect.h"
+#include "io/read.h"
 #include "map/affine.h"
 #include "map/mirror_ball.h"
 #include "options.h"
@@ -31,6 +32,8 @@ struct FoundBall {
 /// A photo read as far as it is needed, its ball and its camera.
 struct PhotoJob {
     Photo photo;
+    /// How its pixels are read, where that was put off: `photo` has none of them then.
+    std::optional<ReadOptions> unread;
     FoundBall ball;
     CameraChoice camera;
     std::vector<std::string> warnings;
@@ -38,7 +41,10 @@ struct PhotoJob {
 
 /// Reads a photo (only the ball's rows when the ball is told) and finds its ball. A ball that is
 /// not found is an answer: job.ball.found. Throws Error for bad files and contradicting options.
-PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch);
+///
+/// put_off     leave the pixels in the file, for ball_light(), when the ball is told
+PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const Watch& watch,
+                    bool put_off = false);
 
 /// The outline that the numbers of an option's value tell: CX,CY,R or CX,CY,A,B,DEG, as many as one
 /// of `counts`; of an ellipse the axes may come in either order. Throws Error (usage), which shows

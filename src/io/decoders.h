@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,6 +21,8 @@ struct DecodeRequest {
     std::int64_t max_pixels = 0;
     std::optional<std::pair<int, int>> rows;  ///< of the upright display window
     bool header_only = false;
+    /// For decoders that can give bands; what they give no photo.pixels of.
+    std::function<void(const Photo& band)> bands = nullptr;
 };
 
 /// Decodes an OpenEXR file with OpenEXR alone.

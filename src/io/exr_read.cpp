@@ -179,12 +179,8 @@ std::size_t pixel_bytes(const Photo& photo) {
     return bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
 }
 
-void decode_channels(Imf::MultiPartInputFile& file, const std::optional<ChunkTable>& chunks,
-                     const PartChoice& choice, const Frame& frame, Photo& photo) {
-    const Imf::Header& header = file.header(choice.part);
-    if (chunks && can_decode_zip(header, choice.selection.names, photo.type))
-        return decode_zip(header, *chunks, choice.selection.names, photo.window.y + frame.origin.y,
-                          photo);
+void decode_channels(Imf::MultiPartInputFile& file, const PartChoice& choice, const Frame& frame,
+                     Photo& photo) {
     Imf::InputPart part(file, choice.part);
     const std::size_t value = bytes_per_value(photo.type);
     const Imf::PixelType type = photo.type == PixelType::f16 ? Imf::HALF : Imf::FLOAT;
@@ -234,13 +230,22 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
         throw failure(path, "truncated: rows of pixels are missing; copy or render it again");
     const auto chunks = checked_chunks(path, probe, file, choice.part);
     if (request.header_only || first == last) return photo;
-    photo.pixels.resize(photo.window.size.pixels() * pixel_bytes(photo));
+    const Imf::Header& header = file.header(choice.part);
+    const bool zip = chunks && !choice.selection.luminance_chroma &&
+                     can_decode_zip(header, choice.selection.names, photo.type);
+    if (!zip || !request.bands)
+        photo.pixels.resize(photo.window.size.pixels() * pixel_bytes(photo));
+    if (zip) {
+        decode_zip(header, *chunks, choice.selection.names, first + frame.origin.y, request.bands,
+                   photo);
+        return photo;
+    }
     if (choice.selection.luminance_chroma && choice.part != 0)
         throw failure(path, "its luminance and chroma are not in the first part; save it as RGB");
     if (choice.selection.luminance_chroma)
         decode_luminance_chroma(path, frame, photo);
     else
-        decode_channels(file, chunks, choice, frame, photo);
+        decode_channels(file, choice, frame, photo);
     return photo;
 }
 

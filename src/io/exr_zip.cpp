@@ -102,19 +102,19 @@ void join(const Byte* even, const Byte* odd, std::size_t count, std::size_t word
 /// Reads and unpacks chunks, one after the other.
 class ChunkReader {
 public:
-    ChunkReader(int file, const ChunkTable& table, const Rows& rows, Photo& photo, int first)
-        : file_(file),
+    ChunkReader(const std::string& path, int file, const ChunkTable& table, const Rows& rows)
+        : path_(path),
+          file_(file),
           table_(table),
           rows_(rows),
-          photo_(photo),
-          first_(first),
           most_(rows.length * static_cast<std::size_t>(rows.together)),
           stored_(std::make_unique_for_overwrite<Byte[]>(most_)),
           bytes_(std::make_unique_for_overwrite<Byte[]>(most_)),
           state_(std::make_unique_for_overwrite<inflate_state>()) {}
 
-    /// The chunk's rows that the photo holds; false where they are damaged.
-    bool read(int chunk) {
+    /// The chunk's rows of which the photo, whose first row is that one of the file, has room;
+    /// false where they are damaged.
+    bool read(int chunk, int first_row, Photo& photo) {
         const int top = rows_.top + chunk * rows_.together;
         const int bottom = std::min(rows_.bottom, top + rows_.together);
         const std::size_t length = static_cast<std::size_t>(bottom - top) * rows_.length;
@@ -127,9 +127,12 @@ public:
             for (std::size_t i = 0; i < length; ++i)
                 bytes_[i % 2 * half(length) + i / 2] = stored_[i];
         }
-        const int last = std::min(bottom, first_ + photo_.window.size.height);
-        for (int y = std::max(first_, top); y < last; ++y)
-            unpack(y, static_cast<std::size_t>(y - top), length);
+        const int last = std::min(bottom, first_row + photo.window.size.height);
+        const std::size_t row_bytes = bytes_per_value(photo.type) * rows_.planes.size() *
+                                      static_cast<std::size_t>(photo.window.size.width);
+        for (int y = std::max(first_row, top); y < last; ++y)
+            unpack(static_cast<std::size_t>(y - top), length, photo,
+                   photo.pixels.data() + static_cast<std::size_t>(y - first_row) * row_bytes);
         return true;
     }
 
@@ -154,7 +157,7 @@ private:
         while (count > 0) {
             const ssize_t got = ::pread(file_, bytes, count, static_cast<off_t>(place));
             if (got < 0 && errno == EINTR) continue;
-            if (got < 0) throw failure(photo_.name, "cannot be read: " + system_reason(errno));
+            if (got < 0) throw failure(path_, "cannot be read: " + system_reason(errno));
             if (got == 0) return false;
             bytes += got;
             place += static_cast<std::uint64_t>(got);
@@ -176,31 +179,43 @@ private:
         return result == ISAL_DECOMP_OK && state_->avail_out == 0;
     }
 
-    /// A row of the photo from that row of the chunk.
-    void unpack(int y, std::size_t row, std::size_t length) {
-        const auto width = static_cast<std::size_t>(photo_.window.size.width);
-        const std::size_t value = bytes_per_value(photo_.type);
-        const std::size_t pixel = value * rows_.planes.size();
-        std::byte* out =
-            photo_.pixels.data() + static_cast<std::size_t>(y - first_) * pixel * width;
+    /// A row of a photo from that row of the chunk.
+    void unpack(std::size_t row, std::size_t length, const Photo& photo, std::byte* out) {
+        const auto width = static_cast<std::size_t>(photo.window.size.width);
+        const std::size_t value = bytes_per_value(photo.type);
         for (std::size_t c = 0; c < rows_.planes.size(); ++c) {
             // All values have two or four bytes, so that they begin at even places.
             const std::size_t at = (row * rows_.length + rows_.planes[c]) / 2;
             join(bytes_.get() + at, bytes_.get() + half(length) + at, width, value / 2, words_,
-                 out + c * value, pixel);
+                 out + c * value, value * rows_.planes.size());
         }
     }
 
+    const std::string& path_;
     int file_;
     const ChunkTable& table_;
     const Rows& rows_;
-    Photo& photo_;
-    int first_;
     std::size_t most_;
     std::unique_ptr<Byte[]> stored_, bytes_;
     std::unique_ptr<inflate_state> state_;
     std::vector<std::uint16_t> words_;
 };
+
+/// Rows first to last of a photo, without its facts, to be filled.
+Photo band_of(const Photo& photo, int first, int last) {
+    Photo band;
+    band.name = photo.name;
+    band.type = photo.type;
+    band.channels = photo.channels;
+    band.window = photo.window;
+    band.window.y += first;
+    band.window.size.height = last - first;
+    band.display = photo.display;
+    band.associated_alpha = photo.associated_alpha;
+    band.pixels.resize(band.window.size.pixels() * bytes_per_value(band.type) *
+                       static_cast<std::size_t>(band.channels));
+    return band;
+}
 
 }  // namespace
 
@@ -222,7 +237,8 @@ bool can_decode_zip(const Imf::Header& header, const std::vector<std::string>& c
 }
 
 void decode_zip(const Imf::Header& header, const ChunkTable& chunks,
-                const std::vector<std::string>& channels, int first, Photo& photo) {
+                const std::vector<std::string>& channels, int first,
+                const std::function<void(const Photo& band)>& bands, Photo& photo) {
     const Rows rows = rows_of(header, channels);
     const int last = first + photo.window.size.height;
     const auto chunk_of = [&](int y) { return (y - rows.top) / rows.together; };
@@ -231,12 +247,20 @@ void decode_zip(const Imf::Header& header, const ChunkTable& chunks,
     // As many rows of single-row chunks as of others.
     const int grain = 2 * Rows::kMostTogether / rows.together;
     for_each_band(count, grain, [&](int from, int to) {
-        ChunkReader reader(::fileno(file.get()), chunks, rows, photo, first);
+        Photo band;
+        int band_first = first;
+        if (bands) {
+            band_first = std::max(first, rows.top + (begin + from) * rows.together);
+            const int band_last = std::min(last, rows.top + (begin + to) * rows.together);
+            band = band_of(photo, band_first - first, band_last - first);
+        }
+        ChunkReader reader(photo.name, ::fileno(file.get()), chunks, rows);
         for (int i = from; i < to; ++i)
-            if (!reader.read(begin + i))
+            if (!reader.read(begin + i, band_first, bands ? band : photo))
                 throw failure(
                     photo.name,
                     "damaged: rows of pixels cannot be inflated; copy or render it again");
+        if (bands) bands(band);
     });
 }
 

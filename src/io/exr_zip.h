@@ -2,6 +2,7 @@
 
 #include <OpenEXR/ImfForward.h>
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,14 +16,17 @@ namespace chromeball::io {
 bool can_decode_zip(const Imf::Header& header, const std::vector<std::string>& channels,
                     PixelType type);
 
-/// Fills photo.pixels, from the file of the photo's name, with the rows of its window, as OpenEXR
-/// would in three times the time: it reads chunks one after the other, inflates with zlib and
-/// undoes the differences of bytes through memory.
+/// Decodes the rows of the photo's window from the file of its name, as OpenEXR would in three
+/// times the time: it reads chunks one after the other, inflates with zlib and undoes the
+/// differences of bytes through memory.
 ///
-/// chunks      of the part whose header that is
-/// channels    the photo's channels by their names in the file
-/// first       the window's first row in the file's coordinates
+/// header, chunks  of the part
+/// channels        the photo's channels by their names in the file
+/// first           the window's first row in the file's coordinates
+/// bands           takes bands of the photo, see ReadOptions; null: they are put into photo.pixels,
+///                 which has the size
 void decode_zip(const Imf::Header& header, const ChunkTable& chunks,
-                const std::vector<std::string>& channels, int first, Photo& photo);
+                const std::vector<std::string>& channels, int first,
+                const std::function<void(const Photo& band)>& bands, Photo& photo);
 
 }  // namespace chromeball::io

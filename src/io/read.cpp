@@ -33,11 +33,15 @@ Photo read(const std::string& path, const io::DecodeRequest& request) {
 }  // namespace
 
 Photo read_header(const std::string& path, const ReadOptions& options) {
-    return read(path, {options.max_pixels, options.rows, true});
+    return read(path, {options.max_pixels, options.rows, true, nullptr});
 }
 
 Photo read_photo(const std::string& path, const ReadOptions& options) {
-    return read(path, {options.max_pixels, options.rows, false});
+    Photo photo = read(path, {options.max_pixels, options.rows, false, options.bands});
+    if (!options.bands || photo.pixels.empty()) return photo;
+    options.bands(photo);
+    photo.pixels = PixelBytes();
+    return photo;
 }
 
 }  // namespace chromeball

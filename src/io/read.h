@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -16,6 +17,11 @@ struct ReadOptions {
     /// only those; the photo's window tells which rows came: the part of these that the file has
     /// (possibly none), or all where the picture is stored on its side. Absent: all.
     std::optional<std::pair<int, int>> rows = std::nullopt;
+    /// Takes the pixels in bands of rows, each a photo without metadata whose window says which,
+    /// from several threads at a time and in any order; read_photo() then gives no pixels. A large
+    /// picture need not be in memory then: formats that can decode parts give them one by one, the
+    /// others one band with all.
+    std::function<void(const Photo& band)> bands = nullptr;
 };
 
 /// What a file says of itself, without its pixels (photo.pixels is empty, all else is filled in).

@@ -18,18 +18,18 @@ using std::numbers::pi;
 /// within.
 constexpr double kBlurInset = 2;
 
-void copy_pixel(const Image& from, int x, int y, float* to) {
+void copy_pixel(ImageView<const float> from, int x, int y, float* to) {
     const float* p = from.pixel(x, y);
     std::copy_n(p, 3, to);
-    to[3] = from.channels() > 3 ? p[3] : 1.0F;
+    to[3] = from.channels > 3 ? p[3] : 1.0F;
 }
 
 /// A run of pixels in a row.
-void copy_pixels(const Image& from, int x, int y, int count, float* to) {
+void copy_pixels(ImageView<const float> from, int x, int y, int count, float* to) {
     if (count <= 0) return;
     const float* p = from.pixel(x, y);
-    if (from.channels() > 3) {
-        for (int i = 0; i < count; ++i, p += from.channels(), to += 4) std::memcpy(to, p, 16);
+    if (from.channels > 3) {
+        for (int i = 0; i < count; ++i, p += from.channels, to += 4) std::memcpy(to, p, 16);
         return;
     }
     // Four floats at a time, the fourth of them overwritten; the last may be the picture's last.
@@ -41,9 +41,16 @@ void copy_pixels(const Image& from, int x, int y, int count, float* to) {
     to[3] = 1;
 }
 
+constexpr int kBandRows = 32;
+
+ImageView<const float> rows_of(const Image& image, int first, int last) {
+    const ImageView<const float> all = image.view();
+    return {all.row(first), {all.size.width, last - first}, all.channels, all.stride};
+}
+
 template <class Work>
 void for_each_row(const Image& image, const Work& work) {
-    for_each_band(image.height(), 32, [&](int first, int last) {
+    for_each_band(image.height(), kBandRows, [&](int first, int last) {
         for (int y = first; y < last; ++y) work(y);
     });
 }
@@ -53,42 +60,48 @@ Image bordered(const Image& pixels, int border) {
     Image out({pixels.width() + 2 * border, pixels.height() + 2 * border}, 4);
     for_each_row(out, [&](int y) {
         const int from_y = std::clamp(y - border, 0, pixels.height() - 1);
-        copy_pixels(pixels, 0, from_y, pixels.width(), out.pixel(border, y));
+        copy_pixels(pixels.view(), 0, from_y, pixels.width(), out.pixel(border, y));
         for (int i = 0; i < border; ++i) {
-            copy_pixel(pixels, 0, from_y, out.pixel(i, y));
-            copy_pixel(pixels, pixels.width() - 1, from_y, out.pixel(out.width() - 1 - i, y));
+            copy_pixel(pixels.view(), 0, from_y, out.pixel(i, y));
+            copy_pixel(pixels.view(), pixels.width() - 1, from_y,
+                       out.pixel(out.width() - 1 - i, y));
         }
     });
     return out;
 }
 
-/// The ball's pixels with a border around them, wherever the ball reaches the picture's edge, that
-/// repeats the outermost ones. Left clear is every pixel of which a part, or of whose blurred light
-/// a part, lies outside the outline (given in the bordered picture's pixels).
-Image pure_ball(const Image& pixels, int border, const Outline& outline, double rim_blur) {
-    Image out({pixels.width() + 2 * border, pixels.height() + 2 * border}, 4);
-    const EllipseRows rows(outline);
-    const double inset = kBlurInset * rim_blur;
-    const double surely = 1 - (1 + inset) / outline.b;
-    const auto is_pure = [&](int x, int y) {
-        const EllipseRows::Place p = rows.at(x + 0.5, y + 0.5);
-        const double gradient = std::hypot(p.gu, p.gv);
-        if (gradient == 0) return true;
-        const double c = rows.cosine(), s = rows.sine();
-        // First-order distance to the rim, less how far the square reaches outwards.
-        const double nx = (p.gu * c - p.gv * s) / gradient, ny = (p.gu * s + p.gv * c) / gradient;
-        return p.depth() >= 0.5 * (std::abs(nx) + std::abs(ny)) + inset;
-    };
-    const auto column = [&](double x) {
-        return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(out.width())));
-    };
-    for_each_row(out, [&](int y) {
-        const auto outer = rows.span(y + 0.5, 1);
+/// Prepares rows of a ball's photo: with a border around it, wherever the ball reaches the photo's
+/// edge, that repeats the outermost pixels. Left clear is every pixel of which a part, or of whose
+/// blurred light a part, lies outside the outline (given in the bordered picture's pixels).
+class PureBall {
+public:
+    PureBall(const Outline& outline, int border, double rim_blur, Image& out)
+        : rows_(outline),
+          border_(border),
+          inset_(kBlurInset * rim_blur),
+          surely_(1 - (1 + inset_) / outline.b),
+          out_(out) {}
+
+    /// The photo's rows from `first` on.
+    void add(int first, ImageView<const float> pixels) const {
+        const int height = out_.height() - 2 * border_;
+        for (int y = 0; y < pixels.size.height; ++y) {
+            prepare(pixels, y, first + y + border_);
+            for (int i = 0; i < border_; ++i) {
+                if (first + y == 0) prepare(pixels, y, i);
+                if (first + y == height - 1) prepare(pixels, y, height + border_ + i);
+            }
+        }
+    }
+
+private:
+    /// The row y of the bordered picture from the row from_y of the pixels.
+    void prepare(ImageView<const float> pixels, int from_y, int y) const {
+        const auto outer = rows_.span(y + 0.5, 1);
         if (!outer) return;
-        const int from_y = std::clamp(y - border, 0, pixels.height() - 1);
         const auto copy = [&](int x) {
-            copy_pixel(pixels, std::clamp(x - border, 0, pixels.width() - 1), from_y,
-                       out.pixel(x, y));
+            copy_pixel(pixels, std::clamp(x - border_, 0, pixels.size.width - 1), from_y,
+                       out_.pixel(x, y));
         };
         const auto copy_if_pure = [&](int first, int last) {
             for (int x = first; x < last; ++x)
@@ -96,20 +109,39 @@ Image pure_ball(const Image& pixels, int border, const Outline& outline, double 
         };
         const int first = column(outer->left - 1), last = column(outer->right + 1);
         // Pixels whose middles lie in the shrunken ellipse are pure.
-        const auto inner = rows.span(y + 0.5, surely);
+        const auto inner = rows_.span(y + 0.5, surely_);
         const int inner_first = inner ? column(std::ceil(inner->left - 0.5)) : last;
         const int inner_last = inner ? std::max(inner_first, column(inner->right + 0.5)) : last;
         copy_if_pure(first, inner_first);
-        const int plain_first = std::clamp(border, inner_first, inner_last);
-        const int plain_last = std::clamp(border + pixels.width(), plain_first, inner_last);
+        const int plain_first = std::clamp(border_, inner_first, inner_last);
+        const int plain_last = std::clamp(border_ + pixels.size.width, plain_first, inner_last);
         for (int x = inner_first; x < plain_first; ++x) copy(x);
-        copy_pixels(pixels, plain_first - border, from_y, plain_last - plain_first,
-                    plain_first < plain_last ? out.pixel(plain_first, y) : nullptr);
+        copy_pixels(pixels, plain_first - border_, from_y, plain_last - plain_first,
+                    plain_first < plain_last ? out_.pixel(plain_first, y) : nullptr);
         for (int x = plain_last; x < inner_last; ++x) copy(x);
         copy_if_pure(inner_last, last);
-    });
-    return out;
-}
+    }
+
+    bool is_pure(int x, int y) const {
+        const EllipseRows::Place p = rows_.at(x + 0.5, y + 0.5);
+        const double gradient = std::hypot(p.gu, p.gv);
+        if (gradient == 0) return true;
+        const double c = rows_.cosine(), s = rows_.sine();
+        // First-order distance to the rim, less how far the square reaches outwards.
+        const double nx = (p.gu * c - p.gv * s) / gradient, ny = (p.gu * s + p.gv * c) / gradient;
+        return p.depth() >= 0.5 * (std::abs(nx) + std::abs(ny)) + inset_;
+    }
+
+    int column(double x) const {
+        return static_cast<int>(std::clamp(x, 0.0, static_cast<double>(out_.width())));
+    }
+
+    EllipseRows rows_;
+    int border_;
+    double inset_;
+    double surely_;  ///< the ellipse made that much smaller holds pure pixels only
+    Image& out_;
+};
 
 Outline transformed(const Outline& outline, const Affine& to) {
     // Only shifts and crops (whose result is a circle) occur.
@@ -132,10 +164,10 @@ void sample(const Image& pixels, V2d p, float* out) {
     const int x1 = std::min(x0 + 1, pixels.width() - 1), y1 = std::min(y0 + 1, pixels.height() - 1);
     const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
     float p00[4], p10[4], p01[4], p11[4];
-    copy_pixel(pixels, x0, y0, p00);
-    copy_pixel(pixels, x1, y0, p10);
-    copy_pixel(pixels, x0, y1, p01);
-    copy_pixel(pixels, x1, y1, p11);
+    copy_pixel(pixels.view(), x0, y0, p00);
+    copy_pixel(pixels.view(), x1, y0, p10);
+    copy_pixel(pixels.view(), x0, y1, p01);
+    copy_pixel(pixels.view(), x1, y1, p11);
     for (int i = 0; i < 4; ++i)
         out[i] =
             (1 - fy) * ((1 - fx) * p00[i] + fx * p10[i]) + fy * ((1 - fx) * p01[i] + fx * p11[i]);
@@ -156,7 +188,7 @@ Image prepared_latlong(const Image& pixels, int border) {
         for (int x = 0; x < out.width();) {
             const int from_x = ((x - border + turn) % width + width) % width;
             const int count = std::min(out.width() - x, width - from_x);
-            copy_pixels(pixels, from_x, from_y, count, out.pixel(x, y));
+            copy_pixels(pixels.view(), from_x, from_y, count, out.pixel(x, y));
             x += count;
         }
     });
@@ -174,7 +206,7 @@ Image face_image(const Image& pixels, const Face& face, const Face& upright, int
         for (int x = 0; x < size; ++x) {
             // Twice the offset of the pixel's middle from the face's.
             const int a = 2 * x + 1 - size, b = 2 * y + 1 - size;
-            copy_pixel(pixels, face.column * size + (xx * a + xy * b + size - 1) / 2,
+            copy_pixel(pixels.view(), face.column * size + (xx * a + xy * b + size - 1) / 2,
                        face.row * size + (yx * a + yy * b + size - 1) / 2, out.pixel(x, y));
         }
     });
@@ -194,7 +226,8 @@ Image prepared_cube(const Image& pixels, const CubeLayout& layout, int size, int
         const int face = row / padded, y = row % padded, fy = y - border;
         const bool inside = fy >= 0 && fy < size;
         if (inside)
-            copy_pixels(faces[static_cast<std::size_t>(face)], 0, fy, size, out.pixel(border, row));
+            copy_pixels(faces[static_cast<std::size_t>(face)].view(), 0, fy, size,
+                        out.pixel(border, row));
         for (int x = 0; x < padded; ++x) {
             const int fx = x - border;
             if (inside && fx == 0) {
@@ -235,7 +268,7 @@ Image prepared_angular(const Image& pixels, int border) {
             const auto nearest = [&](double along) {
                 return std::clamp(static_cast<int>(0.5 * size * (1 + along / r * to)), 0, size - 1);
             };
-            copy_pixel(pixels, nearest(dx), nearest(dy), out.pixel(x, y));
+            copy_pixel(pixels.view(), nearest(dx), nearest(dy), out.pixel(x, y));
         }
     });
     return out;
@@ -261,25 +294,44 @@ Window needed_window(const Outline& outline, const Window& available) {
     return {x0, y0, {x1 - x0, y1 - y0}};
 }
 
-Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to_pixels,
-                   double rim_blur) {
-    assert(!pixels.empty());
-    Source source;
+BallSourceMaker::BallSourceMaker(Size size, const MirrorBall& ball, const Affine& to_pixels,
+                                 double rim_blur)
+    : size_(size), rim_blur_(rim_blur) {
+    assert(size.width > 0 && size.height > 0);
+    Source& source = source_;
     source.projection = ball;
     source.border = 1;
     source.to_pixels = to_pixels;
     source.to_pixels.x0 += source.border;
     source.to_pixels.y0 += source.border;
     source.ball = transformed(ball.outline(), source.to_pixels);
-    source.pixels = pure_ball(pixels, source.border, *source.ball, rim_blur);
-    // Half a pixel, where the rim runs along rows, is the least at which a pixel is purely ball.
-    source.rim = RimStrip(source.pixels, *source.ball, 0.5 + kBlurInset * rim_blur);
+    source.pixels = Image({size.width + 2 * source.border, size.height + 2 * source.border}, 4);
     source.left = source.top = source.border;
-    source.right = source.border + pixels.width();
-    source.bottom = source.border + pixels.height();
+    source.right = source.border + size.width;
+    source.bottom = source.border + size.height;
     const double hidden = 2 * pi * (1 - std::cos(ball.hidden_half_angle()));
     source.mean_solid_angle = (4 * pi - hidden) / area(*source.ball);
-    return source;
+}
+
+void BallSourceMaker::add(int first, ImageView<const float> rows) {
+    assert(rows.size.width == size_.width && first >= 0 &&
+           first + rows.size.height <= size_.height);
+    PureBall(*source_.ball, source_.border, rim_blur_, source_.pixels).add(first, rows);
+}
+
+Source BallSourceMaker::finish() {
+    // Half a pixel, where the rim runs along rows, is the least at which a pixel is purely ball.
+    source_.rim = RimStrip(source_.pixels, *source_.ball, 0.5 + kBlurInset * rim_blur_);
+    return std::move(source_);
+}
+
+Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to_pixels,
+                   double rim_blur) {
+    assert(!pixels.empty());
+    BallSourceMaker maker(pixels.size(), ball, to_pixels, rim_blur);
+    for_each_band(pixels.height(), kBandRows,
+                  [&](int first, int last) { maker.add(first, rows_of(pixels, first, last)); });
+    return maker.finish();
 }
 
 Source map_source(const Image& pixels, const Layout& layout) {

@@ -43,6 +43,23 @@ struct Source {
 Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to_pixels,
                    double rim_blur = 0);
 
+/// The same of a photo that comes in bands of rows, none of which stays in memory.
+class BallSourceMaker {
+public:
+    /// size: of the pixels that ball_source() would be given
+    BallSourceMaker(Size size, const MirrorBall& ball, const Affine& to_pixels,
+                    double rim_blur = 0);
+    /// Rows from the one numbered `first` on, each of them once; from any thread.
+    void add(int first, ImageView<const float> rows);
+    /// Once, when all rows have been added.
+    Source finish();
+
+private:
+    Source source_;
+    Size size_;
+    double rim_blur_;
+};
+
 /// An environment map; its picture must have the layout's aspect: pixels.size() ==
 /// layout.picture(n).
 Source map_source(const Image& pixels, const Layout& layout);

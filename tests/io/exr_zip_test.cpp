@@ -5,6 +5,7 @@
 #include <OpenEXR/ImfOutputFile.h>
 #include <gtest/gtest.h>
 
+#include <mutex>
 #include <random>
 
 #include "io/files.h"
@@ -95,6 +96,42 @@ TEST(ExrZip, GivesWhatTheLibraryGives) {
                                 0);
                         }
                     }
+}
+
+TEST(ExrZip, ComesInBandsThatAreTheWhole) {
+    const TempFolder folder;
+    const std::string file = folder / "x.exr";
+    for (const auto compression :
+         {Imf::ZIP_COMPRESSION, Imf::ZIPS_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+        write(file, {compression, Imf::INCREASING_Y, Imf::FLOAT, {{-3, 5}, {40, 204}}, false});
+        const bool parts = compression != Imf::PIZ_COMPRESSION;
+        for (const auto& rows : {std::pair{0, 200}, {0, 1}, {17, 150}, {199, 400}, {300, 310}}) {
+            const Photo whole = read_photo(file, {.rows = rows});
+            PixelBytes pixels(whole.pixels.size());
+            std::mutex one_at_a_time;
+            int bands = 0, taken = 0;
+            const auto take = [&](const Photo& band) {
+                const std::lock_guard lock(one_at_a_time);
+                ++bands;
+                taken += band.window.size.height;
+                ASSERT_EQ(band.window.x, whole.window.x);
+                ASSERT_EQ(band.window.size.width, whole.window.size.width);
+                ASSERT_EQ(band.display, whole.display);
+                ASSERT_EQ(band.type, whole.type);
+                ASSERT_EQ(band.channels, whole.channels);
+                const auto at = static_cast<std::size_t>(band.window.y - whole.window.y) *
+                                static_cast<std::size_t>(44 * 3 * 4);
+                ASSERT_LE(at + band.pixels.size(), pixels.size());
+                std::ranges::copy(band.pixels, pixels.begin() + static_cast<std::ptrdiff_t>(at));
+            };
+            const Photo rest = read_photo(file, {.rows = rows, .bands = take});
+            EXPECT_TRUE(rest.pixels.empty());
+            EXPECT_EQ(rest.window, whole.window);
+            EXPECT_EQ(taken, whole.window.size.height);
+            EXPECT_TRUE(pixels == whole.pixels);
+            EXPECT_EQ(bands > 1, parts && taken > 32);
+        }
+    }
 }
 
 TEST(ExrZip, DamagedIsRefusedInWords) {

@@ -61,6 +61,38 @@ TEST(BallSource, DropsEveryPixelThatIsNotPurelyBall) {
     EXPECT_GT(kept, area(outline) - 4 * (outline.a + outline.b) * 1.1);
 }
 
+TEST(BallSource, IsTheSameMadeOfBandsInAnyOrder) {
+    // Inside the photo, cut by its edges, and with bands of which some have alpha.
+    for (const V2d& centre : {V2d(60, 50), V2d(5, 4), V2d(115, 98)}) {
+        const MirrorBall ball(Outline{centre.x, centre.y, 40, 33, 25});
+        Image rgb({120, 100}, 3), rgba({120, 100}, 4);
+        for (int y = 0; y < 100; ++y)
+            for (int x = 0; x < 120; ++x) {
+                const float values[] = {static_cast<float>(x), static_cast<float>(y), 1, 1};
+                std::copy_n(values, 3, rgb.pixel(x, y));
+                std::copy_n(values, 4, rgba.pixel(x, y));
+            }
+        const Source whole = ball_source(rgb, ball, Affine{}, 0.7);
+        BallSourceMaker maker(rgb.size(), ball, Affine{}, 0.7);
+        for (const auto& [first, last] : {std::pair{37, 100}, {0, 1}, {1, 30}, {30, 37}}) {
+            const ImageView<const float> all = first == 1 ? rgba.view() : rgb.view();
+            maker.add(first, {all.row(first), {120, last - first}, all.channels, all.stride});
+        }
+        const Source banded = maker.finish();
+        ASSERT_EQ(banded.pixels.size(), whole.pixels.size());
+        EXPECT_TRUE(std::equal(whole.pixels.row(0),
+                               whole.pixels.row(0) + whole.pixels.size().pixels() * 4,
+                               banded.pixels.row(0)));
+        EXPECT_EQ(banded.ball, whole.ball);
+        EXPECT_EQ(banded.right, whole.right);
+        EXPECT_EQ(banded.mean_solid_angle, whole.mean_solid_angle);
+        const Image &strip = whole.rim.pixels(), &made = banded.rim.pixels();
+        ASSERT_EQ(made.size(), strip.size());
+        EXPECT_TRUE(
+            std::equal(strip.row(0), strip.row(0) + strip.size().pixels() * 4, made.row(0)));
+    }
+}
+
 TEST(BallSource, TakesThePhotosOwnAlpha) {
     Image photo({40, 40}, 4);
     for (int y = 0; y < 40; ++y)
