@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/error.h"
+#include "core/memory.h"
 #include "settings_file.h"
 #include "stop.h"
 #include "usage.h"
@@ -14,6 +15,7 @@
 
 int main(int argc, char** argv) {
     using namespace chromeball;
+    keep_freed_memory();
     hold_standard_streams();
     handle_signals();
     CLI::App app{"Environment maps from photographs of mirror balls", "chromeball"};

@@ -5,6 +5,9 @@
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace chromeball {
 namespace {
@@ -28,6 +31,14 @@ void* zeroed_memory(std::size_t count, std::size_t size) {
     void* memory = std::calloc(count, size);
     if (memory) ask_for_large_pages(memory, count * size);
     return memory;
+}
+
+void keep_freed_memory() {
+#ifdef __GLIBC__
+    // Larger pieces still come from the system and go back to it: large pages are for them.
+    ::mallopt(M_MMAP_THRESHOLD, 4 << 20);
+    ::mallopt(M_TRIM_THRESHOLD, 32 << 20);
+#endif
 }
 
 }  // namespace chromeball

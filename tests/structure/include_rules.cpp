@@ -83,7 +83,8 @@ std::string folder_of(std::string_view path) {
 
 std::string refused_header(const std::string& folder, std::string_view name) {
     if (is_standard(name)) return "";
-    if (folder == "core" && (name == "sys/mman.h" || name == "dlfcn.h")) return "";
+    if (folder == "core" && (name == "sys/mman.h" || name == "dlfcn.h" || name == "malloc.h"))
+        return "";
     if (is_system(name))
         return folder == "io" || folder == "apps" ? "" : "system headers are for io and apps";
     for (const Door& door : kDoors)
