@@ -82,7 +82,7 @@ Shader::Shader(const Scene& scene, const Tracer& tracer, const Environment& envi
     : scene_(scene),
       tracer_(tracer),
       environment_(environment),
-      reflected_(reflected ? *reflected : environment),
+      reflected_(reflected && shading != Shading::raytrace ? *reflected : environment),
       shading_(shading),
       skip_(1e-4F * static_cast<float>(bounds_of(scene).radius)) {}
 
