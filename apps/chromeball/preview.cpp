@@ -4,7 +4,9 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
+#include <filesystem>
 #include <optional>
 
 #include "color/color.h"
@@ -23,6 +25,7 @@
 #include "preview_scene.h"
 #include "render/bake.h"
 #include "render/compare.h"
+#include "render/page.h"
 #include "shot/pattern.h"
 
 namespace chromeball {
@@ -45,6 +48,8 @@ struct PreviewCommand {
     std::string shading = "pixel";
     std::optional<std::string> compare;
     std::optional<std::string> reflect_from;
+    std::optional<std::string> html;
+    int face = 256;
 };
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
@@ -173,6 +178,41 @@ Image rendered(const Scene& scene, const Tracer& tracer, const Environment& envi
     console.say(fmt::format("{}: {:.2f} million camera rays in {:.3f} s, {:.1f} million/s", path,
                             millions, seconds, millions / seconds));
     return picture;
+}
+
+/// The page that --html asks for, instead of pictures.
+void run_page(const PreviewCommand& o) {
+    const Console console(o.common.quiet);
+    const ThreadLimit limit(o.common.threads);
+    set_coding_threads(o.common.threads);
+    if (!o.map.output.output.empty()) refuse("-o and --html: give one, a picture or a page");
+    if (o.scene.set || o.scene.scene)
+        refuse("--html shows one object: --mesh, not --set or --scene");
+    if (!std::has_single_bit(static_cast<unsigned>(o.face)))
+        refuse(fmt::format("--face {}: a power of two is wanted", o.face));
+    const ColorConfig colors = ColorConfig::load(o.light.color.ocio);
+    if (o.light.color.input_space) colors.space(*o.light.color.input_space);
+    check_from(o.light.from);
+    check_scene_options(o.scene);
+    const Orbit orbit = orbit_of(o);
+    check_not_input(*o.html, o.light.input);
+    check_target(*o.html);
+    const Mesh mesh = page_mesh(o.scene, console);
+    Light light = read_light(o.light, o.map, colors, console);
+    const Environment environment(light.pixels, *light.layout);
+    Image faces = page_faces(environment, light.pixels, *light.layout, o.face);
+    colors.from_working(faces, "lin_rec709");
+    const std::string text =
+        page(faces, mesh,
+             {.title = std::filesystem::path(o.light.input).filename().string(),
+              .face = o.face,
+              .azimuth = orbit.azimuth,
+              .elevation = orbit.elevation,
+              .distance = orbit.distance,
+              .fov = o.fov.value_or(35)});
+    write_file(*o.html, text);
+    console.say(fmt::format("{}: {:.2f} MB; open it in a browser", *o.html,
+                            static_cast<double>(text.size()) / 1e6));
 }
 
 void run_preview(const PreviewCommand& o) {
@@ -318,7 +358,16 @@ void add_preview(CLI::App& app) {
         app.add_subcommand("preview", "Show an object in the light of a map, or of a photo's ball");
     command->add_option("input", o->light.input, "Map, folder of faces, or photo of a mirror ball")
         ->required();
-    command->add_option("-o,--output", o->map.output.output, "Picture to write")->required();
+    command->add_option("-o,--output", o->map.output.output,
+                        "Picture to write (needed, unless --html is given)");
+    command
+        ->add_option(
+            "--html", o->html,
+            "Instead, a page to turn the object by hand in a browser: one file, no network")
+        ->type_name("FILE.html");
+    command->add_option("--face", o->face, "... its map's faces, pixels; a power of two")
+        ->check(CLI::Range(1, 4096))
+        ->capture_default_str();
     command
         ->add_option("--from", o->light.from,
                      "What the input is: photo, or one of the layouts; auto: by its shape and what "
@@ -339,8 +388,9 @@ void add_preview(CLI::App& app) {
         "  chromeball preview plate.exr --through photo --mesh teapot --material chrome -o "
         "teapot.exr\n"
         "  chromeball preview probe.exr --mesh knot --compare pixel,raytrace -o compare.png\n"
+        "  chromeball preview probe.exr --mesh bean --html bean.html\n"
         "  chromeball preview probe.exr --mesh model.obj --turntable 48 -o turn.####.png");
-    command->callback([o] { run_preview(*o); });
+    command->callback([o] { o->html ? run_page(*o) : run_preview(*o); });
 }
 
 }  // namespace chromeball

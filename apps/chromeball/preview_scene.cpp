@@ -132,6 +132,13 @@ void check_scene_options(const SceneOptions& o) {
     if (o.scene && o.set) refuse("--scene and --set contradict each other; give one");
 }
 
+Mesh page_mesh(const SceneOptions& o, const Console& console) {
+    // About a third of a megabyte for the bean.
+    constexpr double kDetail = 0.4;
+    if (auto known = shape(o.mesh, kDetail)) return std::move(*known);
+    return mesh_from(o.mesh, console);
+}
+
 Scene scene_file(const std::string& path, const Console& console) {
     Scene scene = load_scene(path);
     std::vector<std::string> notes;

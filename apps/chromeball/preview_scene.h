@@ -30,6 +30,9 @@ void check_scene_options(const SceneOptions& options);
 /// its own frame. Throws Error.
 Scene scene_of(const SceneOptions& options, const Console& console);
 
+/// The mesh alone, as coarse as a page can be that is sent around. Throws Error.
+Mesh page_mesh(const SceneOptions& options, const Console& console);
+
 /// A file's scene, fit to be rendered. Throws Error.
 Scene scene_file(const std::string& path, const Console& console);
 

@@ -1,5 +1,6 @@
 #include "render/shapes.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <charconv>
@@ -67,7 +68,12 @@ V3d on_sphere(double u, double v) {
     return {std::cos(up) * std::sin(around), std::sin(up), std::cos(up) * std::cos(around)};
 }
 
-Mesh torus() {
+/// Cells along a side that has so many at detail 1.
+int cells(int usual, double detail) {
+    return std::max(8, static_cast<int>(std::lround(usual * detail)));
+}
+
+Mesh torus(double detail) {
     Mesh mesh;
     constexpr double kTube = 0.3;
     add_grid(
@@ -77,12 +83,12 @@ Mesh torus() {
             const double r = 1 - kTube + kTube * std::cos(tube);
             return V3d(r * std::sin(around), kTube * std::sin(tube), r * std::cos(around));
         },
-        256, 96, true, true);
+        cells(256, detail), cells(96, detail), true, true);
     return mesh;
 }
 
 /// A square floor seen from above.
-Mesh plane() {
+Mesh plane(double) {
     Mesh mesh;
     const double side = std::numbers::sqrt2;
     add_grid(
@@ -92,7 +98,7 @@ Mesh plane() {
 }
 
 /// A tube along a trefoil: the torus knot (2, 3).
-Mesh knot() {
+Mesh knot(double detail) {
     const auto line = [](double u) {
         const double t = 2 * pi * u;
         const double r = 2 + std::cos(3 * t);
@@ -110,14 +116,14 @@ Mesh knot() {
             const double tube = 2 * pi * v;
             return line(u) + (side * std::cos(tube) + up * std::sin(tube)) * kTube;
         },
-        512, 64, true, true);
+        cells(512, detail), cells(64, detail), true, true);
     fit_into_unit_sphere(mesh);
     return mesh;
 }
 
 /// A polished bean after Anish Kapoor's Cloud Gate: half as high as long, rounder above than below,
 /// with an arch to walk through whose ceiling is hollowed further.
-Mesh bean() {
+Mesh bean(double detail) {
     Mesh mesh;
     add_grid(
         mesh,
@@ -131,7 +137,7 @@ Mesh bean() {
             p.y += below * below * (0.34 * along + 0.16 * around) - 0.12 * p.x * p.x;
             return p;
         },
-        256, 197, true, false);
+        cells(256, detail), cells(197, detail), true, false);
     fit_into_unit_sphere(mesh);
     return mesh;
 }
@@ -157,14 +163,14 @@ std::array<double, 4> bernstein(double t) {
 
 /// Martin Newell's teapot of 1975 as published: bicubic Bezier patches, their control points in a
 /// Z-up world.
-Mesh teapot() {
+Mesh teapot(double detail) {
     const std::vector<double> data = numbers_in(teapot_patches());
     const auto patches = static_cast<std::size_t>(data.at(0));
     const double* numbers = data.data() + 1;
     const double* points = numbers + 16 * patches + 1;
     assert(data.size() == 2 + 16 * patches + 3 * static_cast<std::size_t>(points[-1]));
     Mesh mesh;
-    constexpr int kCells = 32;
+    const int side = cells(32, detail);
     for (std::size_t patch = 0; patch < patches; ++patch)
         add_grid(
             mesh,
@@ -178,22 +184,24 @@ Mesh teapot() {
                 }
                 return p;
             },
-            kCells, kCells, false, false);
+            side, side, false, false);
     fit_into_unit_sphere(mesh);
     return mesh;
 }
 
 struct Shape {
     std::string_view name;
-    Mesh (*make)();
+    Mesh (*make)(double detail);
 };
 
-const Shape kShapes[] = {{"sphere", [] { return tessellated_sphere(); }},
-                         {"torus", torus},
-                         {"plane", plane},
-                         {"knot", knot},
-                         {"bean", bean},
-                         {"teapot", teapot}};
+const Shape kShapes[] = {
+    {"sphere",
+     [](double detail) { return tessellated_sphere(cells(192, detail), cells(96, detail)); }},
+    {"torus", torus},
+    {"plane", plane},
+    {"knot", knot},
+    {"bean", bean},
+    {"teapot", teapot}};
 
 }  // namespace
 
@@ -203,9 +211,9 @@ std::vector<std::string> shape_names() {
     return names;
 }
 
-std::optional<Mesh> shape(std::string_view name) {
+std::optional<Mesh> shape(std::string_view name, double detail) {
     for (const Shape& shape : kShapes)
-        if (shape.name == name) return shape.make();
+        if (shape.name == name) return shape.make(detail);
     return std::nullopt;
 }
 

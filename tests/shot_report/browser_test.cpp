@@ -2,11 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <cstdlib>
-#include <regex>
-#include <set>
-#include <sstream>
 
+#include "cli/browser.h"
 #include "cli/program.h"
 #include "cli/world.h"
 #include "shot/report.h"
@@ -16,76 +13,6 @@
 
 namespace chromeball::test {
 namespace {
-
-/// What a browser made of a page.
-struct Visit {
-    std::string console;             ///< what it said on the console
-    std::set<std::string> requests;  ///< what the page asked the network for
-    Image picture;
-};
-
-const char* browser(const TempFolder& folder) {
-    for (const char* name : {"chromium", "chromium-browser", "google-chrome"})
-        if (run_other(folder, {name, "--version"}).status == 0) return name;
-    return nullptr;
-}
-
-/// Lines that pages cause on the console, as "[...:INFO:CONSOLE:1] ...".
-std::string console_lines(const std::string& log) {
-    std::string lines;
-    std::istringstream all(log);
-    for (std::string line; std::getline(all, line);)
-        if (line.find("CONSOLE") != std::string::npos) lines += line + '\n';
-    return lines;
-}
-
-/// The addresses asked for on behalf of a page; the browser's own requests have no origin.
-std::set<std::string> page_requests(const std::string& net_log) {
-    static const std::regex request(R"re("initiator":"([^"]*)".*"url":"([^"]*)")re");
-    std::set<std::string> found;
-    std::istringstream events(net_log);
-    std::smatch match;
-    for (std::string event; std::getline(events, event);)
-        if (std::regex_search(event, match, request) && match[1] != "not an origin")
-            found.insert(match[2]);
-    return found;
-}
-
-Visit visit(const TempFolder& folder, const char* program, const std::string& page,
-            const Words& more = {}) {
-    write_bytes(folder / "page.html", page);
-    Words words{program,
-                "--headless",
-                "--no-sandbox",
-                "--disable-dev-shm-usage",
-                "--no-first-run",
-                "--disable-background-networking",
-                "--disable-component-update",
-                "--hide-scrollbars",
-                "--user-data-dir=" + folder / "profile",
-                "--enable-logging=stderr",
-                "--log-net-log=" + folder / "net.json",
-                "--window-size=1300,2400",
-                "--screenshot=" + folder / "shot.png"};
-    words.insert(words.end(), more.begin(), more.end());
-    words.push_back("file://" + folder / "page.html");
-    const Outcome outcome = run_other(folder, words);
-    Visit visit;
-    visit.console = console_lines(outcome.err);
-    visit.requests = page_requests(read_bytes(folder / "net.json"));
-    if (!exists(folder / "shot.png")) {
-        ADD_FAILURE() << "no screenshot; status " << outcome.status << "\n" << outcome.err;
-        return visit;
-    }
-    visit.picture = read_floats(folder / "shot.png");
-    if (const char* keep = std::getenv("CHROMEBALL_KEEP_SCREENSHOTS")) {
-        const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-        write_bytes(std::string(keep) + "/" + test->name() + ".png",
-                    read_bytes(folder / "shot.png"));
-        write_bytes(std::string(keep) + "/" + test->name() + ".html", page);
-    }
-    return visit;
-}
 
 /// How much of a picture is near an 8-bit colour.
 double part_near(const Image& picture, std::array<int, 3> color) {
