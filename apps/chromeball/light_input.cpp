@@ -25,18 +25,6 @@ const Layout* layout_of(const LightOptions& o) {
     return guess_layout(read_header(o.input, {o.photo.max_pixels, std::nullopt}), nullptr).layout;
 }
 
-Rotation photo_rotation(const LightOptions& o, const MapOptions& map, const Photo& photo,
-                        const Console& console) {
-    if (const auto told = told_rotation(map)) return *told;
-    if (!photo.metadata.find("worldToCamera")) return {};
-    const auto rotation = rotation_from_metadata(photo, o.photo.camera_axes);
-    if (!rotation)
-        console.warn(fmt::format(
-            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
-            photo.name));
-    return rotation.value_or(Rotation());
-}
-
 Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfig& colors,
                   const Console& console) {
     PhotoJob job = open_photo(o.input, o.photo, console.watch("searching"));
@@ -61,6 +49,18 @@ Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfi
 }
 
 }  // namespace
+
+Rotation photo_rotation(const LightOptions& o, const MapOptions& map, const Photo& photo,
+                        const Console& console) {
+    if (const auto told = told_rotation(map)) return *told;
+    if (!photo.metadata.find("worldToCamera")) return {};
+    const auto rotation = rotation_from_metadata(photo, o.photo.camera_axes);
+    if (!rotation)
+        console.warn(fmt::format(
+            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
+            photo.name));
+    return rotation.value_or(Rotation());
+}
 
 void check_from(const std::string& from) {
     if (from != "auto" && from != "photo" && !find_layout(from))

@@ -6,6 +6,7 @@
 #include "color/color.h"
 #include "console.h"
 #include "core/image.h"
+#include "core/photo.h"
 #include "map/camera.h"
 #include "map/layouts.h"
 #include "map/mirror_ball.h"
@@ -46,6 +47,10 @@ void check_from(const std::string& from);
 /// map: --camera-to-world, for photos. Says what it decides. Throws Error.
 Light read_light(const LightOptions& options, const MapOptions& map, const ColorConfig& colors,
                  const Console& console);
+
+/// How a photo's camera stood: as told, else by the file's worldToCamera, else not turned.
+Rotation photo_rotation(const LightOptions& options, const MapOptions& map, const Photo& photo,
+                        const Console& console);
 
 /// The ball that the options tell of a picture of that size; nothing where they tell none. Throws
 /// Error.

@@ -32,7 +32,7 @@ void add_picture_options(CLI::App& command, MapOptions& o) {
 
 void write_picture(const std::string& path, Image picture, const OutputPlan& plan,
                    const MapOptions& o, const std::string& source, const ColorConfig& colors,
-                   const Console& console) {
+                   const Console& console, Metadata metadata) {
     WrittenMap written;
     written.space = encode(picture, o, plan, colors);
     WriteOptions write;
@@ -40,6 +40,7 @@ void write_picture(const std::string& path, Image picture, const OutputPlan& pla
     write.full_float = o.output.full_float;
     write.bits = o.output.bits.value_or(16);
     if (!o.display && !o.view) write.color = colors.tag(written.space);
+    write.metadata = std::move(metadata);
     write.metadata.set(to_attribute({.version = kVersion, .source = source}));
     written.report = write_image(path, picture.view(), write);
     OutputPlan of_this = plan;

@@ -7,6 +7,7 @@
 #include "color/color.h"
 #include "console.h"
 #include "core/image.h"
+#include "core/metadata.h"
 #include "map_job.h"
 
 namespace chromeball {
@@ -15,9 +16,10 @@ namespace chromeball {
 void add_picture_options(CLI::App& command, MapOptions& options);
 
 /// Encodes a picture of the working space (RGBA, colour multiplied by alpha) and writes it to
-/// `path`, in the plan's format. source: what it was made from, for its metadata.
+/// `path`, in the plan's format. source: what it was made from, for its metadata, which holds
+/// `metadata` too.
 void write_picture(const std::string& path, Image picture, const OutputPlan& plan,
                    const MapOptions& options, const std::string& source, const ColorConfig& colors,
-                   const Console& console);
+                   const Console& console, Metadata metadata = {});
 
 }  // namespace chromeball

@@ -22,10 +22,12 @@
 #include "numbers.h"
 #include "options.h"
 #include "picture_file.h"
+#include "plate.h"
 #include "preview_scene.h"
 #include "render/bake.h"
 #include "render/compare.h"
 #include "render/page.h"
+#include "render/patch.h"
 #include "shot/pattern.h"
 
 namespace chromeball {
@@ -50,6 +52,9 @@ struct PreviewCommand {
     std::optional<std::string> reflect_from;
     std::optional<std::string> html;
     int face = 256;
+    std::optional<std::string> over;
+    bool patch = false;
+    double scale = 1;
 };
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
@@ -215,6 +220,27 @@ void run_page(const PreviewCommand& o) {
                             static_cast<double>(text.size()) / 1e6));
 }
 
+/// What does not go together with --over.
+void check_over(const PreviewCommand& o) {
+    if (!o.over) {
+        if (o.patch) refuse("--patch paints the ball out of the plate of --over; give that too");
+        return;
+    }
+    if (o.turntable > 0 || o.compare || o.background || o.scene.set || o.scene.scene || o.size)
+        refuse(
+            "--over puts one object into a plate: --turntable, --compare, --background, --set, "
+            "--scene and --size do not go with it");
+}
+
+/// Makes an object as large as it is wanted in the plate.
+void scale(Scene& scene, double factor) {
+    for (Object& object : scene.objects) {
+        for (V3f& p : object.mesh.positions) p *= static_cast<float>(factor);
+        if (object.ball)
+            object.ball = Ball{object.ball->center * factor, object.ball->radius * factor};
+    }
+}
+
 void run_preview(const PreviewCommand& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);
@@ -234,9 +260,17 @@ void run_preview(const PreviewCommand& o) {
     }
 
     const auto shadings = shadings_of(o);
+    check_over(o);
+    if (o.over)
+        for (const std::string& path : paths) check_not_input(path, *o.over);
     Scene scene = scene_of(o.scene, console);
     const Light light = read_light(o.light, o.map, colors, console);
-    const auto views = views_of(o, scene, light, console);
+    scale(scene, o.scale);
+    std::optional<Plate> plate;
+    if (o.over) plate = read_plate(*o.over, o.light, o.map, colors, console);
+    const auto views = plate ? std::vector{View::of_ball(plate->view.size, plate->view.camera,
+                                                         plate->view.ball, plate->to_world)}
+                             : views_of(o, scene, light, console);
     const Environment environment(light.pixels, *light.layout);
     if (environment.covered() < 0.9999)
         console.say(
@@ -266,7 +300,15 @@ void run_preview(const PreviewCommand& o) {
                                     paths[i], *o.compare, comparison.difference, comparison.psnr));
             picture = std::move(comparison.picture);
         }
-        write_picture(paths[i], std::move(picture), plan, o.map, o.light.input, colors, console);
+        Metadata metadata;
+        if (plate) {
+            if (o.patch) paint_out(plate->pixels, plate->view.ball.outline());
+            lay_over(plate->pixels, picture);
+            picture = std::move(plate->pixels);
+            metadata = std::move(plate->metadata);
+        }
+        write_picture(paths[i], std::move(picture), plan, o.map, o.light.input, colors, console,
+                      std::move(metadata));
     }
 }
 
@@ -305,6 +347,19 @@ void add_view_options(CLI::App& command, PreviewCommand& o) {
                     "How the camera of a photo, or of --ellipse, stood: 9 or 16 numbers, row by "
                     "row (default: the photo's worldToCamera)")
         ->type_name("M")
+        ->group(group);
+    command
+        .add_option("--over", o.over,
+                    "Put the object into this photo, in its ball's place and through its camera; "
+                    "--ball, --focal-px and the like describe it")
+        ->type_name("PLATE")
+        ->group(group);
+    command.add_flag("--patch", o.patch, "... and paint the ball out where the object is not")
+        ->group(group);
+    command.add_option("--scale", o.scale, "Size of the object, in radii of the ball")
+        ->check(finite())
+        ->check(CLI::Range(1e-3, 1e3))
+        ->capture_default_str()
         ->group(group);
     command.add_flag("--background", o.background, "Show the map behind the object")->group(group);
 }
@@ -388,6 +443,7 @@ void add_preview(CLI::App& app) {
         "  chromeball preview plate.exr --through photo --mesh teapot --material chrome -o "
         "teapot.exr\n"
         "  chromeball preview probe.exr --mesh knot --compare pixel,raytrace -o compare.png\n"
+        "  chromeball preview plate.exr --over plate.exr --patch --mesh bean -o in_place.exr\n"
         "  chromeball preview probe.exr --mesh bean --html bean.html\n"
         "  chromeball preview probe.exr --mesh model.obj --turntable 48 -o turn.####.png");
     command->callback([o] { o->html ? run_page(*o) : run_preview(*o); });

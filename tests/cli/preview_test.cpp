@@ -163,6 +163,96 @@ TEST_F(Preview, HasTheSameBytesForAnyNumberOfThreads) {
     }
 }
 
+/// A grey plate with a ball through a known lens.
+struct MadeUpPlate {
+    Size size{200, 150};
+    MirrorBall ball = near_ball(size, V3d(0.05, 0.02, -1).normalized(), 8, 300);
+    Words words;
+
+    explicit MadeUpPlate(const std::string& path) {
+        write_exr(path, ball_photo(size, ball));
+        const Outline& e = ball.outline();
+        words = {"preview",
+                 path,
+                 "--over",
+                 path,
+                 "--focal-px=300",
+                 "--quiet",
+                 "--float",
+                 fmt::format("--ellipse={},{},{},{},{}", e.cx, e.cy, e.a, e.b, e.angle)};
+    }
+    Words with(const Words& more) const {
+        Words all = words;
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+};
+
+TEST_F(Preview, PutsAnObjectInTheBallsPlace) {
+    const MadeUpPlate plate(folder_ / "plate.exr");
+    const Outline& e = plate.ball.outline();
+    const Image photo = read_floats(folder_ / "plate.exr");
+    // A mirror ball in the mirror ball's place is the photo again.
+    ASSERT_EQ(run(folder_, plate.with({"-o", "same.exr"})).status, 0);
+    const Image same = read_floats(folder_ / "same.exr");
+    ASSERT_EQ(same.size(), plate.size);
+    double worst = 0;
+    for (int y = 0; y < 150; ++y)
+        for (int x = 0; x < 200; ++x) {
+            const double r = std::hypot(x + 0.5 - e.cx, y + 0.5 - e.cy) / e.a;
+            if (r > 0.85 && r < 1.03) continue;
+            for (int c = 0; c < 3; ++c)
+                worst =
+                    std::max(worst, double(std::abs(photo.pixel(x, y)[c] - same.pixel(x, y)[c])));
+        }
+    EXPECT_LT(worst, 0.03);
+    // Half as large, and the rest of the ball painted out: grey as all around.
+    ASSERT_EQ(run(folder_, plate.with({"--patch", "--scale=0.5", "-o", "small.exr"})).status, 0);
+    const Image small = read_floats(folder_ / "small.exr");
+    const int cx = int(e.cx), cy = int(e.cy);
+    EXPECT_NEAR(small.pixel(cx + int(0.8 * e.a), cy)[0], 0.18, 0.01);
+    EXPECT_NEAR(small.pixel(cx, cy - int(0.8 * e.a))[2], 0.18, 0.01);
+    EXPECT_GT(small.pixel(cx, cy)[2], 0.9F) << "its middle shows the camera's side";
+    // Without --patch the photo's ball is there still.
+    ASSERT_EQ(run(folder_, plate.with({"--scale=0.5", "-o", "ball.exr"})).status, 0);
+    const Image with_ball = read_floats(folder_ / "ball.exr");
+    EXPECT_EQ(with_ball.pixel(cx + int(0.8 * e.a), cy)[0], photo.pixel(cx + int(0.8 * e.a), cy)[0]);
+    // Lit by a map of its own.
+    Words by_map = plate.with({"-o", "map_lit.exr"});
+    by_map[1] = "map.exr";
+    EXPECT_EQ(run(folder_, by_map).status, 0);
+    EXPECT_LT(largest_difference(same, read_floats(folder_ / "map_lit.exr")), 0.3)
+        << "the same world";
+}
+
+TEST_F(Preview, KeepsWhatDoesNotGoWithPlatesApart) {
+    const MadeUpPlate plate(folder_ / "plate.exr");
+    for (const Words& more :
+         {Words{"--turntable=3", "-o", "a.#.exr"}, Words{"--background", "-o", "a.exr"},
+          Words{"--set=lookdev", "-o", "a.exr"}, Words{"--size=20", "-o", "a.exr"},
+          Words{"-o", "plate.exr"}})
+        EXPECT_EQ(run(folder_, plate.with(more)).status, 2) << text_of(more);
+    EXPECT_EQ(preview({"--patch", "-o", "a.exr"}).status, 2);
+    EXPECT_FALSE(exists(folder_ / "a.exr"));
+}
+
+TEST_F(Preview, RendersAScenesOwnCamera) {
+    const std::string scene = std::string(CHROMEBALL_DATA) + "/scenes/spheres.gltf";
+    const Image traced =
+        picture({"--scene", scene, "--shading=raytrace", "--samples=4", "--size=64,36"});
+    const Image mapped =
+        picture({"--scene", scene, "--reflect-from=probe", "--samples=4", "--size=64,36"});
+    EXPECT_GT(largest_difference(traced, mapped), 0.1);
+    // Side by side with their difference.
+    const Image both = picture({"--scene", scene, "--compare=pixel,raytrace",
+                                "--reflect-from=probe", "--samples=4", "--size=64,36"});
+    EXPECT_EQ(both.size(), (Size{192, 36}));
+    EXPECT_EQ(preview({"--scene", scene, "--reflect-from=prob", "-o", "no.png"}).status, 2);
+    EXPECT_EQ(preview({"--compare=pixel", "-o", "no.png"}).status, 2);
+    EXPECT_EQ(preview({"--compare=pixel,rays", "-o", "no.png"}).status, 2);
+    EXPECT_EQ(preview({"--shading=flat", "-o", "no.png"}).status, 2);
+}
+
 TEST_F(Preview, WritesATurntable) {
     const Outcome outcome = preview({"--turntable=4", "--orbit=0,0", "-o", "turn.##.exr"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;

@@ -1,0 +1,46 @@
+#include "plate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "io/facts.h"
+#include "io/read.h"
+#include "photo_job.h"
+
+namespace chromeball {
+
+Plate read_plate(const std::string& path, const LightOptions& o, const MapOptions& map,
+                 const ColorConfig& colors, const Console& console) {
+    PhotoJob job = open_photo(path, o.photo, console.watch("searching"));
+    if (!job.ball.found) throw no_ball(job, o.photo.threshold);
+    const MirrorBall ball = projection_of(job);
+    for (const std::string& warning : job.warnings) console.warn(warning);
+    console.say(description(job, ball));
+    Plate plate;
+    plate.view = {job.photo.display, job.camera.camera, ball};
+    plate.to_world = photo_rotation(o, map, job.photo, console);
+    plate.metadata = pass_through(job.photo.metadata);
+
+    // Of a ball that is told only some rows were read.
+    const Photo whole = read_photo(path, {o.photo.max_pixels, std::nullopt});
+    std::string warning;
+    const std::string space = colors.input_space(whole, o.color.input_space, &warning);
+    if (!warning.empty()) console.warn(warning);
+    std::size_t bad = 0;
+    const Image pixels = colors.to_working(whole, space, std::nullopt, &bad);
+    if (bad > 0) console.warn(bad_pixel_warning(path, bad));
+    plate.pixels = Image(whole.display, 4);
+    for (int y = 0; y < pixels.height(); ++y)
+        for (int x = 0; x < pixels.width(); ++x) {
+            const int px = x + whole.window.x, py = y + whole.window.y;
+            if (px < 0 || py < 0 || px >= whole.display.width || py >= whole.display.height)
+                continue;
+            float* to = plate.pixels.pixel(px, py);
+            std::copy_n(pixels.pixel(x, y), 3, to);
+            to[3] = pixels.channels() > 3 ? pixels.pixel(x, y)[3] : 1.0F;
+        }
+    return plate;
+}
+
+}  // namespace chromeball

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include "color/color.h"
+#include "console.h"
+#include "core/image.h"
+#include "core/metadata.h"
+#include "light_input.h"
+
+namespace chromeball {
+
+/// A photo that something is put into, in its ball's place.
+struct Plate {
+    Image pixels;  ///< RGBA of the display window, in the working space
+    PhotoView view;
+    Rotation to_world;
+    Metadata metadata;  ///< worth passing on
+};
+
+/// Reads a photo and finds its ball, or takes the one that the options tell. Throws Error.
+Plate read_plate(const std::string& path, const LightOptions& options, const MapOptions& map,
+                 const ColorConfig& colors, const Console& console);
+
+}  // namespace chromeball
