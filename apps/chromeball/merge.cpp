@@ -174,6 +174,9 @@ AlignOptions align_options(const std::vector<std::optional<Outline>>& balls, int
     if (!here) return options;
     const Outline wide{here->cx, here->cy, 1.1 * here->a, 1.1 * here->b, here->angle};
     options.region = needed_window(wide, {0, 0, size});
+    // Told for one it is about there in all; not found in one, the ball is not well shown there.
+    const bool searched = std::ranges::count_if(balls, [](const auto& b) { return !!b; }) > 1;
+    for (const auto& ball : balls) options.whole.push_back(searched && !ball);
     for (const auto& ball : balls)
         options.hints.push_back(ball ? std::optional(V2d(ball->cx - here->cx, ball->cy - here->cy))
                                      : std::nullopt);
@@ -231,6 +234,28 @@ bool told_differ(const Bracket& bracket) {
     return most - least > 0.3;
 }
 
+/// Nominal shutter speeds, apertures and ISOs are off by up to a tenth of a stop each; beyond this
+/// they are wrong.
+constexpr double kWrongStops = 0.25;
+
+int wrong_tags(const Bracket& bracket, const BracketFit& fit) {
+    int wrong = 0;
+    for (std::size_t k = 0; k < fit.stops.size(); ++k)
+        wrong += bracket.told[k] && std::abs(*fit.stops[k] - *bracket.told[k]) > kWrongStops;
+    return wrong;
+}
+
+/// Another curve than the assumed one has to earn its place: by being another one, and by fitting
+/// clearly better or by making several tags right.
+bool deserves(const Solved& solved, const Solved& assumed, const Bracket& bracket) {
+    constexpr double kOther = 0.1, kClear = 0.015;  // stops
+    constexpr std::size_t kEnough = 200;            // patches
+    if (solved.fit.patches < kEnough || solved.fit.curve_stops < kOther) return false;
+    const double mine = solved.fit.rms_stops, its = assumed.fit.rms_stops;
+    if (its > mine && std::sqrt(its * its - mine * mine) > kClear && mine < 0.85 * its) return true;
+    return wrong_tags(bracket, assumed.fit) >= 2 && wrong_tags(bracket, solved.fit) == 0;
+}
+
 Solved solve(const MergeOptions& o, const Bracket& bracket, std::span<const Patch> patches) {
     BracketFitOptions how{bracket.response, false};
     Solved assumed{fit_bracket(patches, bracket.exposed, bracket.told, how), "assumed", {}};
@@ -257,17 +282,12 @@ Solved solve(const MergeOptions& o, const Bracket& bracket, std::span<const Patc
         solved.fit.patches, solved.fit.rms_stops, bracket.space, assumed.fit.rms_stops,
         solved.fit.curve_stops);
     if (o.response == "solve") return solved;
-    // Another curve has to earn its place: by fitting clearly better, and being another one.
-    const bool better = solved.fit.rms_stops < 0.85 * assumed.fit.rms_stops;
-    const bool other = solved.fit.curve_stops > 0.1;
-    return better && other && solved.fit.patches >= 200 ? solved : assumed;
+    return deserves(solved, assumed, bracket) ? solved : assumed;
 }
 
 /// log2 of exposures, told ones where the pictures do not contradict them.
 std::vector<double> final_stops(const Bracket& bracket, const BracketFit& fit,
                                 const Console& console) {
-    // Nominal shutter speeds, apertures and ISOs are off by up to a tenth each.
-    constexpr double kWrong = 0.25;
     std::vector<double> stops;
     for (std::size_t k = 0; k < fit.stops.size(); ++k) {
         const std::string& name = bracket.exposed[k].name;
@@ -282,13 +302,13 @@ std::vector<double> final_stops(const Bracket& bracket, const BracketFit& fit,
         if (!told) {
             console.say(fmt::format("{}: no {}; its exposure was solved from the pictures", name,
                                     missing_tags(bracket, k)));
-        } else if (std::abs(*seen - *told) > kWrong) {
+        } else if (std::abs(*seen - *told) > kWrongStops) {
             console.warn(fmt::format(
                 "{}: its exposure as told is {:+.2f} stops off what the pictures show; that of the "
                 "pictures is used",
                 name, *told - *seen));
         }
-        stops.push_back(told && std::abs(*seen - *told) <= kWrong ? *told : *seen);
+        stops.push_back(told && std::abs(*seen - *told) <= kWrongStops ? *told : *seen);
     }
     return stops;
 }

@@ -32,22 +32,62 @@ constexpr int kCoarsest = 40;
 // Parts of white between which light counts.
 constexpr float kHighest = 0.9f;
 
-/// Nothing, where a channel clips or all are in the noise.
-void add_pixel(const ExposedPhoto& photo, const Response& response, const float* stored,
-               double& light, double& count, bool& clipped) {
-    const float white = static_cast<float>(photo.white);
-    float linear[3];
-    for (int c = 0; c < 3; ++c) {
-        clipped = clipped || !(stored[c] < kHighest * white);
-        linear[c] = response.light(stored[c]);
+/// What of the colour is compared: a channel, or the luminance, for which no channel may clip.
+constexpr int kLuminance = 3;
+
+bool usable(const ExposedPhoto& photo, const float* stored, int channel) {
+    const auto most = kHighest * static_cast<float>(photo.white);
+    if (channel != kLuminance) return stored[channel] < most;
+    return stored[0] < most && stored[1] < most && stored[2] < most;
+}
+
+double light_of(const Response& response, const float* stored, int channel) {
+    if (channel != kLuminance) return static_cast<double>(response.light(stored[channel]));
+    const float linear[] = {response.light(stored[0]), response.light(stored[1]),
+                            response.light(stored[2])};
+    return luminance(linear);
+}
+
+/// The luminance; but a channel, such as the blue of leaves, where it shows much more of the pair
+/// of neighbours that share least.
+int channel_to_compare(std::span<const ExposedPhoto> photos, std::span<const int> order) {
+    constexpr int kRows = 64, kStep = 8;
+    const Size size = photos.front().size;
+    Image row({size.width, 1}, 3);
+    std::array<double, 4> least{1, 1, 1, 1};
+    std::vector<std::array<char, 4>> before, now;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const ExposedPhoto& photo = photos[static_cast<std::size_t>(order[i])];
+        now.clear();
+        for (int j = 0; j < kRows; ++j) {
+            const int y = j * size.height / kRows;
+            photo.read(y, y + 1, row.view());
+            for (int x = 0; x < size.width; x += kStep) {
+                const float* stored = row.pixel(x, 0);
+                std::array<char, 4> shows{};
+                for (int c = 0; c < 4; ++c)
+                    shows[static_cast<std::size_t>(c)] =
+                        usable(photo, stored, c) &&
+                        stored[c == kLuminance ? 1 : c] > 8 * static_cast<float>(photo.step);
+                now.push_back(shows);
+            }
+        }
+        for (std::size_t c = 0; c < 4 && i > 0; ++c) {
+            double both = 0;
+            for (std::size_t n = 0; n < now.size(); ++n) both += before[n][c] && now[n][c];
+            least[c] = std::min(least[c], both / static_cast<double>(now.size()));
+        }
+        std::swap(before, now);
     }
-    light += luminance(linear);
-    count += 1;
+    constexpr double kEnough = 0.3;
+    if (least[kLuminance] > kEnough) return kLuminance;
+    const auto best = std::max_element(least.begin(), least.begin() + 3);
+    return *best > 1.5 * least[kLuminance] ? static_cast<int>(best - least.begin()) : kLuminance;
 }
 
 /// A part of the photo, means of factor x factor pixels.
 Raster raster_of(const ExposedPhoto& photo, const Response& response, const Window& region,
-                 int factor) {
+                 int factor, int channel) {
     Raster raster({region.size.width / factor, region.size.height / factor});
     for_each_band(raster.size.height, 16, [&](int first, int last) {
         Image rows({photo.size.width, factor}, 3);
@@ -58,12 +98,15 @@ Raster raster_of(const ExposedPhoto& photo, const Response& response, const Wind
             for (int x = 0; x < raster.size.width; ++x) {
                 const int left = region.x + x * factor;
                 if (left < 0 || left + factor > photo.size.width) continue;
-                double light = 0, count = 0;
+                double light = 0;
                 bool clipped = false;
                 for (int j = 0; j < factor; ++j)
-                    for (int i = 0; i < factor; ++i)
-                        add_pixel(photo, response, rows.pixel(left + i, j), light, count, clipped);
-                light /= count;
+                    for (int i = 0; i < factor; ++i) {
+                        const float* stored = rows.pixel(left + i, j);
+                        clipped = clipped || !usable(photo, stored, channel);
+                        light += light_of(response, stored, channel);
+                    }
+                light /= factor * factor;
                 if (clipped || !(light > 0)) continue;
                 // A curve's slope is about its light's ratio here; good enough for a weight.
                 const double slope = response.is_linear() ? 1 : std::max(0.08, 2.2 * light);
@@ -354,6 +397,22 @@ std::optional<Fit> fit_from(const Pyramid& reference, const Pyramid& other, V2d 
     return now;
 }
 
+/// How alike two rasters are at a shift, -1 to 1.
+double likeness(const Raster& reference, const Raster& other, V2d shift) {
+    double both = 0, mine = 1e-12, its = 1e-12;
+    for (int y = 0; y < reference.size.height; ++y)
+        for (int x = 0; x < reference.size.width; ++x) {
+            const std::size_t at = reference.at(x, y);
+            if (!(reference.weight[at] > 0)) continue;
+            const Sample s = sample(other, x + shift.x, y + shift.y);
+            if (!(s.weight > 0)) continue;
+            const auto a = static_cast<double>(reference.value[at]);
+            const double w = 1 / (1 / s.weight + 1 / static_cast<double>(reference.weight[at]));
+            both += w * a * s.value, mine += w * a * a, its += w * s.value * s.value;
+        }
+    return both / std::sqrt(mine * its);
+}
+
 /// Other on reference, in the finest level's pixels; nothing where they share too little.
 std::optional<Fit> fit(const Pyramid& reference, const Pyramid& other,
                        const std::optional<V2d>& hint) {
@@ -365,10 +424,16 @@ std::optional<Fit> fit(const Pyramid& reference, const Pyramid& other,
     if (coarse == V2d(0, 0)) return found;
     // Photos mostly lie nearly still; what is far off has to fit better.
     const auto still = fit_from(reference, other, V2d(0, 0), coarsest);
-    return still && (!found || still->misfit <= found->misfit) ? still : found;
+    if (!still || !found) return still ? still : found;
+    const Raster &a = reference.levels.front(), &b = other.levels.front();
+    return likeness(a, b, still->shift) >= likeness(a, b, found->shift) ? still : found;
 }
 
-Window everything(Size size) { return {0, 0, size}; }
+int factor_of(const Window& window) {
+    return 1 + (std::max(window.size.width, window.size.height) - 1) / kLongest;
+}
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
@@ -377,12 +442,27 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
                              const Watch& watch) {
     assert(order.size() == photos.size());
     assert(options.hints.empty() || options.hints.size() == photos.size());
-    const Size size = photos.front().size;
-    const Window region = options.region.value_or(everything(size));
-    const int factor = 1 + (std::max(region.size.width, region.size.height) - 1) / kLongest;
-    std::vector<Pyramid> levels(photos.size());
-    for (std::size_t k = 0; k < photos.size(); ++k) {
-        levels[k] = pyramid(raster_of(photos[k], response, region, factor));
+    assert(options.whole.empty() || options.whole.size() == photos.size());
+    const Window all{0, 0, photos.front().size};
+    const Window region = options.region.value_or(all);
+    const auto whole = [&](int photo) {
+        return !options.region || (!options.whole.empty() && options.whole[index(photo)]);
+    };
+    const int channel = channel_to_compare(photos, order);
+    const int all_factor = factor_of(all), region_factor = factor_of(region);
+    std::vector<Pyramid> levels(photos.size()), all_levels(photos.size());
+    for (int i = 0; i < static_cast<int>(order.size()); ++i) {
+        const int photo = order[index(i)];
+        const auto beside = [&](int j) {
+            return j >= 0 && j < static_cast<int>(order.size()) && whole(order[index(j)]);
+        };
+        const bool needs_all = whole(photo) || beside(i - 1) || beside(i + 1);
+        if (needs_all)
+            all_levels[index(photo)] =
+                pyramid(raster_of(photos[index(photo)], response, all, all_factor, channel));
+        if (!whole(photo))
+            levels[index(photo)] =
+                pyramid(raster_of(photos[index(photo)], response, region, region_factor, channel));
         watch.check();
     }
     const auto hint = [&](int photo) -> std::optional<V2d> {
@@ -397,14 +477,17 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
         count, 1,
         [&](int i, int) {
             if (i == middle) return;
-            const int photo = order[static_cast<std::size_t>(i)];
-            const int neighbour = order[static_cast<std::size_t>(i < middle ? i + 1 : i - 1)];
+            const int photo = order[index(i)];
+            const int neighbour = order[index(i < middle ? i + 1 : i - 1)];
+            const bool wide = whole(photo) || whole(neighbour);
+            const int factor = wide ? all_factor : region_factor;
+            const auto& from = wide ? all_levels : levels;
             const auto here = hint(photo), there = hint(neighbour);
             std::optional<V2d> between;
             if (here && there) between = (*here - *there) / factor;
-            fits[static_cast<std::size_t>(i)] =
-                fit(levels[static_cast<std::size_t>(neighbour)],
-                    levels[static_cast<std::size_t>(photo)], between);
+            auto one = fit(from[index(neighbour)], from[index(photo)], between);
+            if (one) one->shift *= factor, one->deviation *= factor;
+            fits[index(i)] = one;
         },
         watch);
     std::vector<Alignment> found(photos.size());
@@ -415,9 +498,9 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
             found[static_cast<std::size_t>(order[static_cast<std::size_t>(from)])];
         const auto& one = fits[static_cast<std::size_t>(i)];
         constexpr double kUnsure = 0.5;
-        if (one && one->deviation * factor < kUnsure) {
-            found[photo] = {neighbour.shift + one->shift * factor,
-                            std::hypot(neighbour.deviation, one->deviation * factor), true};
+        if (one && one->deviation < kUnsure) {
+            found[photo] = {neighbour.shift + one->shift,
+                            std::hypot(neighbour.deviation, one->deviation), true};
         } else {
             const auto known = hint(static_cast<int>(photo));
             found[photo] = {known.value_or(neighbour.shift), 0, known.has_value()};

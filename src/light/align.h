@@ -17,8 +17,11 @@ struct Alignment {
 };
 
 struct AlignOptions {
-    /// Where in the reference to look; absent: everywhere.
+    /// Where in the reference to look, the ball; absent: everywhere.
     std::optional<Window> region = std::nullopt;
+    /// Photos that do not show the region well, such as where no ball was found: the whole picture
+    /// lays them on their neighbours. No entries: none.
+    std::vector<bool> whole = {};
     /// For each photo a shift known beforehand to a few pixels, from the ball's outlines; an
     /// empty one where there is none. Or no entries at all.
     std::vector<std::optional<V2d>> hints = {};

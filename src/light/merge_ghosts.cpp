@@ -121,9 +121,9 @@ float threshold_of(const Cells& cells) {
         for (std::size_t k = 0; k + 1 < cells.photos(); ++k)
             typical.push_back(contradiction(cells.at(cell, k), cells.at(cell, k + 1)));
     if (typical.empty()) return 1;
-    const auto high = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() * 3 / 4);
-    std::nth_element(typical.begin(), high, typical.end());
-    return 0.15f + 2 * *high;
+    const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
+    std::nth_element(typical.begin(), middle, typical.end());
+    return std::min(0.15f + 2 * *middle, 0.5f);
 }
 
 Flags contradicting(const Cells& cells, float threshold) {
@@ -219,7 +219,7 @@ std::vector<double> doubts(const Cells& cells, const std::vector<std::size_t>& r
     return doubt;
 }
 
-/// Leaves out who is contradicted most, until nobody is.
+/// Leaves out who is contradicted most, until nobody is; between equals the longest exposure.
 void decide(const Cells& cells, std::size_t cell, const std::vector<double>& doubt, float threshold,
             GhostMap& map) {
     std::vector<bool> out(cells.photos());
@@ -228,7 +228,7 @@ void decide(const Cells& cells, std::size_t cell, const std::vector<double>& dou
         std::size_t worst = cells.photos();
         for (std::size_t k = 0; k < count.size(); ++k)
             if (count[k] > 0 &&
-                (worst == cells.photos() || count[k] + doubt[k] > count[worst] + doubt[worst]))
+                (worst == cells.photos() || count[k] + doubt[k] >= count[worst] + doubt[worst]))
                 worst = k;
         if (worst == cells.photos()) return;
         out[worst] = true;

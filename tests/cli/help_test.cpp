@@ -20,7 +20,8 @@ TEST(Help, EveryCommandShowsDefaultsUnitsAndAnExample) {
           "degrees", "pixels", "400000000", "--camera-to-world", "--quiet", "--threads"}},
         {"detect", {"--overlay", "--crop", "=0.5", "pixels", "--json-lines", "--quiet"}},
         {"preview", {"--mesh", "teapot", "=mirror", "degrees", "pixels", "=16", "--turntable"}},
-        {"info", {"--from", "--json", "400000000"}}};
+        {"info", {"--from", "--json", "400000000"}},
+        {"merge", {"--times", "seconds", "=auto", "--anchor", "EV100", "pixels", "--quiet"}}};
     const TempFolder folder;
     const Outcome overview = run(folder, {"-h"});
     EXPECT_EQ(overview.status, 0);
