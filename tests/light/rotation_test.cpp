@@ -1,0 +1,132 @@
+#include "light/rotation.h"
+
+#include <gtest/gtest.h>
+
+#include "core/parallel.h"
+#include "support/views.h"
+
+namespace chromeball {
+namespace {
+
+using test::ball_view;
+using test::degrees_between;
+using test::Place;
+
+constexpr Size kPhoto{240, 240};
+const Outline kOutline{120, 120, 110, 110, 0};
+
+View view_of(const Image& photo, const MirrorBall& ball) {
+    return {ball_source(photo, ball, {}), std::nullopt};
+}
+
+Unturned unturned(const Image& photo, const MirrorBall& ball) {
+    return {ViewPyramid(view_of(photo, ball)), std::nullopt, std::nullopt};
+}
+
+/// Somewhere in the middle of SO(3), far from all axes.
+const Rotation kTurn = Rotation::yaw_pitch_roll(107, -31, 64);
+
+/// Balls far away in a place, the second one turned.
+std::vector<Unturned> pair(const Place& a, const Place& b, double exposure = 1) {
+    const MirrorBall ball(kOutline);
+    const auto first = [&](V3d world, V3d) { return a(world); };
+    const auto second = [&](V3d world, V3d seen) {
+        V3d light = test::with_photographer(b(world), seen) * exposure;
+        light.x *= 1.2;
+        return light;
+    };
+    std::vector<Unturned> views;
+    views.push_back(unturned(ball_view(kPhoto, ball, {}, first), ball));
+    views.push_back(unturned(ball_view(kPhoto, ball, kTurn, second), ball));
+    return views;
+}
+
+TEST(Align, FindsAnyTurnWhateverExposureTintAndPhotographer) {
+    const Place place(1);
+    const Alignment found = align(pair(place, place, 0.3));
+    EXPECT_EQ(found.to_world[0], Rotation());
+    EXPECT_LT(degrees_between(found.to_world[1], kTurn), 0.03);  // a pixel spans 1 degree
+    for (const double agreement : found.agreement) EXPECT_GT(agreement, 0.8);
+    for (const double residual : found.residual) EXPECT_LT(residual, 0.01);
+}
+
+TEST(Align, TellsViewsOfDifferentPlaces) {
+    const Alignment found = align(pair(Place(1), Place(2)));
+    for (const double agreement : found.agreement) EXPECT_LT(agreement, kLeastAgreement - 0.1);
+}
+
+TEST(Align, IsTheSameForAnyNumberOfThreads) {
+    const Place place(3);
+    std::vector<Alignment> found;
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        found.push_back(align(pair(place, place)));
+    }
+    EXPECT_EQ(found[0].to_world[1], found[1].to_world[1]);
+    EXPECT_EQ(found[0].residual, found[1].residual);
+}
+
+TEST(Align, LeavesTurnsThatAreToldAsTheyAre) {
+    const Place place(4);
+    auto views = pair(place, place);
+    const Rotation wrong = Rotation::about_y(3) * kTurn;
+    views[0].to_world = Rotation::about_x(20);
+    views[1].to_world = Rotation::about_x(20) * wrong;
+    const Alignment found = align(std::move(views));
+    EXPECT_EQ(found.to_world[0], Rotation::about_x(20));
+    EXPECT_EQ(found.to_world[1], Rotation::about_x(20) * wrong);
+}
+
+TEST(Align, PutsTheOthersIntoTheFrameOfTheOneThatIsTold) {
+    const Place place(4);
+    auto views = pair(place, place);
+    const Rotation world = Rotation::yaw_pitch_roll(-70, 12, 3);
+    views[1].to_world = world;
+    const Alignment found = align(std::move(views));
+    EXPECT_LT(degrees_between(found.to_world[0], world * kTurn.inverse()), 0.03);
+}
+
+TEST(Align, PutsAnOutlineRightThatIsOff) {
+    const Place place(5);
+    const MirrorBall ball(kOutline);
+    const auto shown = [&](V3d world, V3d) { return place(world); };
+    Outline off = kOutline;
+    off.cx += 1.2;
+    off.cy -= 0.6;
+    off.a = off.b = 109.5;
+    const Camera camera;
+    auto views = std::vector{unturned(ball_view(kPhoto, ball, {}, shown), ball),
+                             unturned(ball_view(kPhoto, ball, kTurn, shown), MirrorBall(off))};
+    views[1].ball = BallModel{off, camera, true, 1};
+    const Alignment found = align(std::move(views));
+    EXPECT_NEAR(found.change[1].right, -1.2, 0.1);
+    EXPECT_NEAR(found.change[1].down, 0.6, 0.1);
+    EXPECT_NEAR(found.change[1].growth, 110 / 109.5 - 1, 1e-3);
+    EXPECT_LT(degrees_between(found.to_world[1], kTurn), 0.05);  // 1.2 pixels are 1.2 degrees
+}
+
+TEST(Align, FindsHowFarAwayCamerasStood) {
+    const Place place(6);
+    Camera camera;
+    camera.focal = 110 * std::sqrt(8.0 * 8 - 1);
+    camera.principal = V2d(120, 120);
+    const MirrorBall near(camera, cone_of(kOutline, camera)), far(kOutline);
+    const auto shown = [&](V3d world, V3d) { return place(world); };
+    auto views = std::vector{unturned(ball_view(kPhoto, near, {}, shown), far),
+                             unturned(ball_view(kPhoto, near, kTurn, shown), far)};
+    Camera unknown;
+    unknown.principal = V2d(120, 120);
+    for (Unturned& view : views) view.ball = BallModel{kOutline, unknown, false, 0};
+    const Alignment found = align(std::move(views));
+    for (const BallChange& change : found.change) EXPECT_NEAR(1 / change.inverse_distance, 8, 0.3);
+    EXPECT_LT(degrees_between(found.to_world[1], kTurn), 0.05);
+}
+
+TEST(Align, StopsWhenAskedTo) {
+    const Place place(1);
+    const std::atomic<bool> stop = true;
+    EXPECT_THROW(align(pair(place, place), {&stop, {}}), Error);
+}
+
+}  // namespace
+}  // namespace chromeball
