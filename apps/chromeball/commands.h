@@ -13,5 +13,6 @@ void add_shot(CLI::App& app);
 void add_merge(CLI::App& app);
 void add_preview(CLI::App& app);
 void add_bake(CLI::App& app);
+void add_stitch(CLI::App& app);
 
 }  // namespace chromeball

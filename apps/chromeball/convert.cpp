@@ -14,6 +14,7 @@
 #include "io/read.h"
 #include "io/threads.h"
 #include "io/write.h"
+#include "light/blend.h"
 #include "map_files.h"
 #include "map_input.h"
 #include "map_job.h"
@@ -21,6 +22,7 @@
 #include "photo_job.h"
 #include "resample/resample.h"
 #include "resample/residual.h"
+#include "stitch_views.h"
 
 namespace chromeball {
 namespace {
@@ -34,6 +36,10 @@ struct ConvertOptions {
     MapOptions map;
     bool verify = false;
     std::optional<std::string> verify_image;
+    bool confidence = false;
+    bool remove_photographer = false;
+
+    bool looks_closer() const { return confidence || remove_photographer; }
 };
 
 /// The photo's ball as it is, to hold the map against.
@@ -46,6 +52,8 @@ struct Evidence {
 /// What is turned into the output, and what is told about it.
 struct Input {
     Source source;
+    std::optional<Source> trust;  ///< with --confidence or --remove-photographer; see View
+    std::optional<V3d> camera;    ///< of a ball: from it towards the camera
     Rotation to_world;
     Provenance provenance;
     Metadata metadata;
@@ -67,7 +75,8 @@ Rotation world_rotation(const ConvertOptions& o, const Photo* photo, const Conso
 }
 
 Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
-    PhotoJob job = open_photo(o.input, o.photo, console.watch("searching"), !o.verify);
+    PhotoJob job =
+        open_photo(o.input, o.photo, console.watch("searching"), !o.verify && !o.looks_closer());
     if (!job.ball.found) throw no_ball(job, o.photo.threshold);
     const MirrorBall ball = projection_of(job);
     for (const std::string& warning : job.warnings) console.warn(warning);
@@ -80,6 +89,10 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
     console.say(fmt::format("{}: {}x{} pixels, colour space {}", o.input, job.photo.display.width,
                             job.photo.display.height, light.space));
     Input input;
+    if (o.looks_closer())
+        input.trust =
+            trust_source(job, light, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0);
+    input.camera = -ball.axis();
     input.source = std::move(light.source);
     input.to_world = world_rotation(o, &job.photo, console);
     input.provenance.outline = ball.outline();
@@ -121,6 +134,37 @@ Input map_input(const ConvertOptions& o, const ColorConfig& colors, const Consol
     return input;
 }
 
+/// The map, and what it has besides its colours.
+struct Converted {
+    Image map;
+    MapExtras extras;
+};
+Converted converted(const ConvertOptions& o, Input& input, const Layout& layout, int size,
+                    const ResampleOptions& how, const Console& console) {
+    Converted result;
+    const Watch watch = console.watch("converting");
+    if (!o.looks_closer()) {
+        result.map = resample(input.source, layout, size, how, watch);
+        return result;
+    }
+    PlacedView view{{std::move(input.source), std::move(input.trust)}, how.rotation, input.camera};
+    if (o.remove_photographer) {
+        BlendOptions blending;
+        blending.filter = how.filter;
+        blending.confidence = o.confidence;
+        blending.lone_photographer = true;
+        Blended blended = blend({std::move(view)}, layout, size, blending, watch);
+        console.say(fmt::format("{}: {:.2f} % of the sphere is filled", o.input,
+                                100 * (1 - blended.covered)));
+        result.map = std::move(blended.map);
+        result.extras = {std::move(blended.confidence), true};
+        return result;
+    }
+    result.map = resample(view.view.source, layout, size, how, watch);
+    result.extras.confidence = confidence_of(view, result.map, layout, {}, watch);
+    return result;
+}
+
 /// What was typed wrong about the input, before it is read.
 void check_input(const ConvertOptions& o) {
     if (o.verify_image) {
@@ -135,6 +179,10 @@ void check_input(const ConvertOptions& o) {
         throw Error(Error::Kind::usage,
                     "--verify holds the map against the whole photo of a ball; it does not go with "
                     "--from or --cropped");
+    if (o.remove_photographer && o.from != "photo")
+        throw Error(Error::Kind::usage,
+                    "--remove-photographer looks for who stands before the ball of a photo; it "
+                    "does not go with --from");
     if (o.from == "photo") return;
     if (!find_layout(o.from)) throw Error(Error::Kind::usage, unknown_shape(o.from));
     if (o.photo.ball || o.photo.ellipse || o.photo.cropped)
@@ -153,6 +201,7 @@ void run_convert(const ConvertOptions& o) {
     if (o.color.input_space) colors.space(*o.color.input_space);
     check_map_options(o.map, plan, colors);
     use_instructions(o.map);
+    check_confidence(o.confidence, plan);
     check_input(o);
     check_output(plan, o.input);
     Input input =
@@ -160,16 +209,17 @@ void run_convert(const ConvertOptions& o) {
 
     const ResampleOptions how = resampling(o.map, plan, input.to_world);
     const int size = o.map.size.value_or(natural_size(input.source, *plan.layout));
-    Image map = resample(input.source, *plan.layout, size, how, console.watch("converting"));
+    auto [map, extras] = converted(o, input, *plan.layout, size, how, console);
     if (input.evidence) verify(o, *input.evidence, map, *plan.layout, how.rotation, console);
     input.source = {};
+    input.trust.reset();
     input.evidence.reset();
     console.watch("").check();
     input.provenance.source = o.input;
     const Size pixels = map.size();
     const WrittenMap written =
         write_finished(std::move(map), plan, o.map, how.rotation, std::move(input.provenance),
-                       std::move(input.metadata), colors);
+                       std::move(input.metadata), colors, extras);
     for (const std::string& warning : warnings_of(written, plan, o.map)) console.warn(warning);
     console.say(fmt::format("{}: {} --size {} ({}x{} pixels), colour space {}", plan.path,
                             plan.layout->name, size, pixels.width, pixels.height, written.space));
@@ -187,6 +237,15 @@ void add_convert(CLI::App& app) {
     command->add_option("--from", o->from, "What the input is: photo, or one of the layouts")
         ->capture_default_str();
     add_map_options(*command, o->map);
+    command
+        ->add_flag("--confidence", o->confidence,
+                   "A channel more, 0 to 1: how far the light is to be believed (EXR, TIFF)")
+        ->group("Output");
+    command
+        ->add_flag("--remove-photographer", o->remove_photographer,
+                   "Guess the outline of who stands before the ball, and fill it and what the ball "
+                   "hides from around; alpha is 0 there. With more photos stitch does better")
+        ->group("Output");
     const std::string check = "Check";
     command
         ->add_flag(

@@ -31,6 +31,26 @@ void undo_reflectance(Image& pixels, const std::string& text) {
             for (std::size_t c = 0; c < 3; ++c) pixels.pixel(x, y)[c] /= static_cast<float>(r[c]);
 }
 
+/// A map and its channels from elsewhere: alpha for one of three channels, confidence.
+Image joined(const Image& map, const Image* alpha, const Image* confidence) {
+    const int own = map.channels();
+    Image out(map.size(), own + (alpha ? 1 : 0) + (confidence ? 1 : 0));
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) {
+            float* to = std::copy_n(map.pixel(x, y), own, out.pixel(x, y));
+            if (alpha) *to++ = alpha->pixel(x, y)[3];
+            if (confidence) *to = confidence->pixel(x, y)[0];
+        }
+    return out;
+}
+
+Image colors_of(const Image& map) {
+    Image rgb(map.size(), 3);
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) std::copy_n(map.pixel(x, y), 3, rgb.pixel(x, y));
+    return rgb;
+}
+
 void check_display(const MapOptions& o, const OutputPlan& plan, const ColorConfig& colors) {
     if (o.output_space) colors.space(*o.output_space);
     if (!o.display && !o.view) return;
@@ -151,6 +171,14 @@ void check_map_options(const MapOptions& o, const OutputPlan& plan, const ColorC
     undo_reflectance(nothing, *o.reflectance);
 }
 
+void check_confidence(bool wanted, const OutputPlan& plan) {
+    if (!wanted || plan.format == FileFormat::exr || plan.format == FileFormat::tif) return;
+    throw Error(Error::Kind::usage,
+                fmt::format("{}: --confidence is a channel that only EXR and TIFF have; {} has "
+                            "none",
+                            plan.path, extension_of(plan.format)));
+}
+
 void use_instructions(const MapOptions& o) {
     if (use_simd_target(o.simd.value_or(""))) return;
     throw Error(Error::Kind::usage, fmt::format("--simd {}: this processor runs {}", *o.simd,
@@ -242,15 +270,24 @@ std::string encode(Image& map, const MapOptions& o, const OutputPlan& plan,
 
 WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o,
                           const Rotation& rotation, Provenance origin, Metadata metadata,
-                          const ColorConfig& colors) {
+                          const ColorConfig& colors, const MapExtras& extras) {
     WrittenMap written;
-    written.space = encode(map, o, plan, colors);
+    if (extras.filled) {
+        // Encoding would take colours with alpha 0 for none.
+        Image rgb = colors_of(map);
+        written.space = encode(rgb, o, plan, colors);
+        map = joined(rgb, &map, nullptr);
+    } else {
+        written.space = encode(map, o, plan, colors);
+    }
+    if (!extras.confidence.empty()) map = joined(map, nullptr, &extras.confidence);
     const bool turned_away = plan.preset && !plan.preset->axes.is_identity();
     WriteOptions write;
     write.format = plan.format;
     write.full_float = o.output.full_float;
     write.bits = o.output.bits.value_or(16);
     write.envmap = envmap_kind(*plan.layout, turned_away);
+    write.confidence = !extras.confidence.empty();
     if (!o.display && !o.view) write.color = colors.tag(written.space);
     origin.version = kVersion;
     origin.layout = turned_away ? fmt::format("{} for {}", plan.layout->name, plan.preset->name)

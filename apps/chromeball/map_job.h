@@ -71,11 +71,19 @@ struct WrittenMap {
     std::string space;  ///< or display and view
     WriteReport report;
 };
+/// What a map may have besides its colours.
+struct MapExtras {
+    Image confidence;     ///< one channel, as large as the map; empty: none
+    bool filled = false;  ///< colours are whole where alpha is 0
+};
+/// Throws Error (usage) where a confidence channel is wanted of a format without one.
+void check_confidence(bool wanted, const OutputPlan& plan);
+
 /// Encodes a map of the working space as planned and writes it. The origin's version, layout and
 /// rotation are filled in here.
 WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& options,
                           const Rotation& rotation, Provenance origin, Metadata metadata,
-                          const ColorConfig& colors);
+                          const ColorConfig& colors, const MapExtras& extras = {});
 
 /// What writing changed, as warnings.
 std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan& plan,

@@ -127,4 +127,14 @@ std::string to_json(const InfoReport& r) {
     return text_of(j, 2) + '\n';
 }
 
+std::string to_json(const StitchReport& r) {
+    Json views = Json::array();
+    for (const StitchReport::View& view : r.views)
+        views.push_back({{"file", view.file},
+                         {"rotation", view.rotation},
+                         {"exposure_stops", rounded(view.exposure_stops, 1e4)},
+                         {"residual_degrees", rounded(view.residual_degrees, 1e4)}});
+    return text_of({{"views", views}, {"covered", rounded(r.covered, 1e6)}}, 2) + '\n';
+}
+
 }  // namespace chromeball

@@ -69,4 +69,18 @@ struct InfoReport {
 
 std::string to_json(const InfoReport& report);
 
+/// What `stitch --json` tells.
+struct StitchReport {
+    struct View {
+        std::string file;
+        std::array<double, 9> rotation{};  ///< camera to output, row by row
+        double exposure_stops = 0;         ///< what it was brightened by
+        double residual_degrees = 0;       ///< how far off the other views it is
+    };
+    std::vector<View> views;
+    double covered = 0;  ///< part of the sphere that some view saw
+};
+
+std::string to_json(const StitchReport& report);
+
 }  // namespace chromeball

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/luminance.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "light/confidence.h"
 #include "light/fill.h"
 #include "light/photographer.h"
@@ -30,13 +30,6 @@ constexpr std::array kBands{Band{8, 8}, Band{16, 16}, Band{32, 32}};
 /// The same for what is left, the detail: over some 5 degrees between balls seen from two sides.
 constexpr float kDetailPower = 128;
 
-float median_of(std::vector<float>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
 /// Factors that make views as bright as the first one, from medians of ratios in every overlap,
 /// reconciled by least squares in stops.
 std::vector<Gain> matched_gains(const std::vector<CubeView>& views) {
@@ -50,7 +43,7 @@ std::vector<Gain> matched_gains(const std::vector<CubeView>& views) {
         for (Eigen::Index i = 1; i < count; ++i) normal(i, i) = 1e-6;
         for (std::size_t i = 0; i < views.size(); ++i)
             for (std::size_t j = i + 1; j < views.size(); ++j) {
-                std::vector<float> stops;
+                std::vector<double> stops;
                 for (std::size_t cell = 0; cell < cells; ++cell) {
                     constexpr float kGood = 0.3F;
                     if (std::min(views[i].confidence[cell], views[j].confidence[cell]) < kGood)
@@ -62,7 +55,7 @@ std::vector<Gain> matched_gains(const std::vector<CubeView>& views) {
                 }
                 if (stops.size() < 100) continue;
                 const auto weight = static_cast<double>(stops.size());
-                const auto difference = static_cast<double>(median_of(stops));  // log i - log j
+                const double difference = median(std::move(stops));  // log i - log j
                 const auto a = static_cast<Eigen::Index>(i), b = static_cast<Eigen::Index>(j);
                 normal(a, a) += weight;
                 normal(b, b) += weight;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/luminance.h"
 #include "core/parallel.h"
+#include "light/view.h"
 
 namespace chromeball {
 namespace {
@@ -118,24 +118,12 @@ CellValues grown(const ViewCube& cube, const CellValues& values, const std::vect
     return marked;
 }
 
-float median_light(const std::vector<CubeView>& views) {
-    std::vector<float> light;
-    const Image& picture = views.front().light;
-    const float* p = picture.row(0);
-    for (std::size_t i = 0; i < picture.size().pixels(); ++i, p += 4)
-        if (p[3] > 0.5F) light.push_back(static_cast<float>(luminance(p)) / p[3]);
-    if (light.empty()) return 1;
-    const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
-    std::nth_element(light.begin(), middle, light.end());
-    return *middle > 0 ? *middle : 1;
-}
-
 }  // namespace
 
 std::vector<CellValues> photographers(const ViewCube& cube, const std::vector<CubeView>& views) {
     const std::size_t count = views.size(), cells = cube.cells();
     std::vector<CellValues> masks(count, CellValues(cells));
-    const float median = median_light(views);
+    const float median = median_light(views.front().light);
     std::vector<Ranges> ranges;
     for (const CubeView& view : views) ranges.push_back(ranges_of(cube, view, median));
     std::vector<std::vector<CellValues>> differ(count, std::vector<CellValues>(count));

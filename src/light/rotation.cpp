@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/parallel.h"
+#include "core/statistics.h"
 #include "light/rotation_search.h"
 
 namespace chromeball {
@@ -22,13 +22,6 @@ Samples sampled(const ViewPyramid& view, const std::vector<V3d>& world, const Ro
     Samples samples(world.size());
     view.sample(world, to_world, angle, samples);
     return samples;
-}
-
-double median_of(std::vector<double>& values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 /// What two views differ by: their median difference, and how the rest spreads.
@@ -46,17 +39,17 @@ Spread spread_of(const Samples& a, const Samples& b) {
                                          static_cast<double>(b[i].value[c]));
     std::vector<double> sizes;
     for (std::size_t c = 0; c < 3; ++c) {
-        spread.offset[c] = median_of(differences[c]);
+        spread.offset[c] = median(differences[c]);
         for (const double d : differences[c]) sizes.push_back(std::abs(d - spread.offset[c]));
     }
-    spread.scale = 1.4826 * median_of(sizes);
+    spread.scale = 1.4826 * median(sizes);
     return spread;
 }
 
 /// The views while they are being turned.
 struct State {
     std::vector<Unturned>& views;
-    Alignment& pose;
+    ViewAlignment& pose;
 
     /// Changes a view's ball; false where there is none like that.
     bool change(std::size_t i, const BallChange& change) {
@@ -242,8 +235,7 @@ double step(State& state, const std::vector<std::size_t>& placed,
                     if (at[i][s].weight > 0 && at[j][s].weight > 0)
                         if (const double steep = gradient(s, c).length(); steep * angle > 4 * noise)
                             shifts.push_back(std::abs(difference(s, c)) / steep);
-            const double shift =
-                std::clamp(1.4826 * median_of(shifts), 0.01 * kDegree, 0.5 * angle);
+            const double shift = std::clamp(1.4826 * median(shifts), 0.01 * kDegree, 0.5 * angle);
             std::vector<std::pair<std::size_t, double>> involved;  // unknown, sign
             for (std::size_t k = 0; k < unknowns.size(); ++k)
                 if (unknowns[k].view == i || unknowns[k].view == j)
@@ -343,7 +335,7 @@ double disagreement(const Unturned& a, const Unturned& b, const Rotation& a_pose
         const Rotation turn = Rotation::yaw_pitch_roll(15.0 * k, 47.0 * k, 71.0 * k + 60);
         others.push_back(spread_of(fixed, sampled(b.pyramid, world, turn * b_pose, kAngle)).scale);
     }
-    const double usual = median_of(others);
+    const double usual = median(others);
     return usual > 0 ? std::min(1.0, now / usual) : 1;
 }
 
@@ -455,8 +447,8 @@ void add_misfits(const State& state, std::size_t i, std::size_t j, double angle,
 
 }  // namespace
 
-Alignment align(std::vector<Unturned> views, const Watch& watch) {
-    Alignment pose;
+ViewAlignment align_views(std::vector<Unturned> views, const Watch& watch) {
+    ViewAlignment pose;
     pose.change.resize(views.size());
     for (const Unturned& view : views) pose.to_world.push_back(view.to_world.value_or(Rotation()));
     State state{views, pose};
@@ -476,7 +468,7 @@ Alignment align(std::vector<Unturned> views, const Watch& watch) {
             best = std::min(best,
                             disagreement(views[j], views[i], pose.to_world[j], pose.to_world[i]));
         }
-        pose.residual.push_back(median_of(misfits));
+        pose.residual.push_back(median(misfits));
         pose.agreement.push_back(1 - best);
     }
     return pose;

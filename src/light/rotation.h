@@ -16,7 +16,7 @@ struct Unturned {
 };
 
 /// How views fit together.
-struct Alignment {
+struct ViewAlignment {
     std::vector<Rotation> to_world;  ///< a view; the first one's is as told, or the identity
     std::vector<BallChange> change;  ///< a view
     std::vector<double> residual;    ///< a view: median misfit to the others, radians
@@ -36,6 +36,6 @@ constexpr double kLeastAgreement = 0.5;
 /// quarter of a pixel there turns directions by more than what views can be compared to.
 ///
 /// Whether the result is to be believed tells `agreement`.
-Alignment align(std::vector<Unturned> views, const Watch& watch = {});
+ViewAlignment align_views(std::vector<Unturned> views, const Watch& watch = {});
 
 }  // namespace chromeball

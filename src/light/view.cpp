@@ -7,6 +7,7 @@
 
 #include "core/luminance.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "map/layouts.h"
 #include "resample/resample.h"
 
@@ -33,20 +34,6 @@ Image halved(const Image& image) {
             }
     });
     return out;
-}
-
-/// The median luminance of what a picture shows.
-float median_light(const Image& image) {
-    std::vector<float> light;
-    for (int y = 0; y < image.height(); ++y)
-        for (int x = 0; x < image.width(); ++x) {
-            const float* p = image.pixel(x, y);
-            if (p[3] > 0.5F) light.push_back(static_cast<float>(luminance(p)) / p[3]);
-        }
-    if (light.empty()) return 1;
-    const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
-    std::nth_element(light.begin(), middle, light.end());
-    return *middle > 0 ? *middle : 1;
 }
 
 Image log_light(const Image& image, float median) {
@@ -78,6 +65,17 @@ double sharpness_of(const P& projection, V3d d) {
 }
 
 }  // namespace
+
+float median_light(const Image& picture) {
+    std::vector<double> light;
+    for (int y = 0; y < picture.height(); ++y)
+        for (int x = 0; x < picture.width(); ++x) {
+            const float* p = picture.pixel(x, y);
+            if (p[3] > 0.5F) light.push_back(luminance(p) / static_cast<double>(p[3]));
+        }
+    const double middle = median(std::move(light));
+    return middle > 0 ? static_cast<float>(middle) : 1;
+}
 
 std::optional<MirrorBall> ball_of(const BallModel& model, const BallChange& change) {
     Outline outline = model.outline;

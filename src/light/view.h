@@ -96,6 +96,10 @@ private:
     std::vector<Image> levels_;  // log light times weight, and weight
 };
 
+/// The median luminance of what a picture shows: of its pixels with more than half alpha, colour
+/// multiplied by it. 1 where that is nothing.
+float median_light(const Image& picture);
+
 /// Directions spread evenly over the sphere. Swinbank, Purser: Fibonacci grids, 2006.
 std::vector<V3d> fibonacci_directions(int count);
 

@@ -43,7 +43,7 @@ std::vector<Unturned> pair(const Place& a, const Place& b, double exposure = 1) 
 
 TEST(Align, FindsAnyTurnWhateverExposureTintAndPhotographer) {
     const Place place(1);
-    const Alignment found = align(pair(place, place, 0.3));
+    const ViewAlignment found = align_views(pair(place, place, 0.3));
     EXPECT_EQ(found.to_world[0], Rotation());
     EXPECT_LT(degrees_between(found.to_world[1], kTurn), 0.03);  // a pixel spans 1 degree
     for (const double agreement : found.agreement) EXPECT_GT(agreement, 0.8);
@@ -51,16 +51,16 @@ TEST(Align, FindsAnyTurnWhateverExposureTintAndPhotographer) {
 }
 
 TEST(Align, TellsViewsOfDifferentPlaces) {
-    const Alignment found = align(pair(Place(1), Place(2)));
+    const ViewAlignment found = align_views(pair(Place(1), Place(2)));
     for (const double agreement : found.agreement) EXPECT_LT(agreement, kLeastAgreement - 0.1);
 }
 
 TEST(Align, IsTheSameForAnyNumberOfThreads) {
     const Place place(3);
-    std::vector<Alignment> found;
+    std::vector<ViewAlignment> found;
     for (const int threads : {1, 3}) {
         const ThreadLimit limit(threads);
-        found.push_back(align(pair(place, place)));
+        found.push_back(align_views(pair(place, place)));
     }
     EXPECT_EQ(found[0].to_world[1], found[1].to_world[1]);
     EXPECT_EQ(found[0].residual, found[1].residual);
@@ -72,7 +72,7 @@ TEST(Align, LeavesTurnsThatAreToldAsTheyAre) {
     const Rotation wrong = Rotation::about_y(3) * kTurn;
     views[0].to_world = Rotation::about_x(20);
     views[1].to_world = Rotation::about_x(20) * wrong;
-    const Alignment found = align(std::move(views));
+    const ViewAlignment found = align_views(std::move(views));
     EXPECT_EQ(found.to_world[0], Rotation::about_x(20));
     EXPECT_EQ(found.to_world[1], Rotation::about_x(20) * wrong);
 }
@@ -82,7 +82,7 @@ TEST(Align, PutsTheOthersIntoTheFrameOfTheOneThatIsTold) {
     auto views = pair(place, place);
     const Rotation world = Rotation::yaw_pitch_roll(-70, 12, 3);
     views[1].to_world = world;
-    const Alignment found = align(std::move(views));
+    const ViewAlignment found = align_views(std::move(views));
     EXPECT_LT(degrees_between(found.to_world[0], world * kTurn.inverse()), 0.03);
 }
 
@@ -98,7 +98,7 @@ TEST(Align, PutsAnOutlineRightThatIsOff) {
     auto views = std::vector{unturned(ball_view(kPhoto, ball, {}, shown), ball),
                              unturned(ball_view(kPhoto, ball, kTurn, shown), MirrorBall(off))};
     views[1].ball = BallModel{off, camera, true, 1};
-    const Alignment found = align(std::move(views));
+    const ViewAlignment found = align_views(std::move(views));
     EXPECT_NEAR(found.change[1].right, -1.2, 0.1);
     EXPECT_NEAR(found.change[1].down, 0.6, 0.1);
     EXPECT_NEAR(found.change[1].growth, 110 / 109.5 - 1, 1e-3);
@@ -117,7 +117,7 @@ TEST(Align, FindsHowFarAwayCamerasStood) {
     Camera unknown;
     unknown.principal = V2d(120, 120);
     for (Unturned& view : views) view.ball = BallModel{kOutline, unknown, false, 0};
-    const Alignment found = align(std::move(views));
+    const ViewAlignment found = align_views(std::move(views));
     for (const BallChange& change : found.change) EXPECT_NEAR(1 / change.inverse_distance, 8, 0.3);
     EXPECT_LT(degrees_between(found.to_world[1], kTurn), 0.05);
 }
@@ -125,7 +125,7 @@ TEST(Align, FindsHowFarAwayCamerasStood) {
 TEST(Align, StopsWhenAskedTo) {
     const Place place(1);
     const std::atomic<bool> stop = true;
-    EXPECT_THROW(align(pair(place, place), {&stop, {}}), Error);
+    EXPECT_THROW(align_views(pair(place, place), {&stop, {}}), Error);
 }
 
 }  // namespace
