@@ -10,20 +10,34 @@
 
 namespace chromeball {
 
-Plate read_plate(const std::string& path, const LightOptions& o, const MapOptions& map,
-                 const ColorConfig& colors, const Console& console) {
+namespace {
+
+/// The camera and its ball, as the options tell or as they are found.
+void find_ball(const std::string& path, const LightOptions& o, const MapOptions& map,
+               const Console& console, Plate& plate) {
     PhotoJob job = open_photo(path, o.photo, console.watch("searching"));
     if (!job.ball.found) throw no_ball(job, o.photo.threshold);
     const MirrorBall ball = projection_of(job);
     for (const std::string& warning : job.warnings) console.warn(warning);
     console.say(description(job, ball));
-    Plate plate;
     plate.view = {job.photo.display, job.camera.camera, ball};
     plate.to_world = photo_rotation(o, map, job.photo, console);
-    plate.metadata = pass_through(job.photo.metadata);
+}
 
+}  // namespace
+
+Plate read_plate(const std::string& path, const LightOptions& o, const Light& light,
+                 const MapOptions& map, const ColorConfig& colors, const Console& console) {
+    Plate plate;
+    if (light.photo && path == o.input) {
+        plate.view = *light.photo;
+        plate.to_world = light.to_world;
+    } else {
+        find_ball(path, o, map, console, plate);
+    }
     // Of a ball that is told only some rows were read.
     const Photo whole = read_photo(path, {o.photo.max_pixels, std::nullopt});
+    plate.metadata = pass_through(whole.metadata);
     std::string warning;
     const std::string space = colors.input_space(whole, o.color.input_space, &warning);
     if (!warning.empty()) console.warn(warning);

@@ -18,8 +18,9 @@ struct Plate {
     Metadata metadata;  ///< worth passing on
 };
 
-/// Reads a photo and finds its ball, or takes the one that the options tell. Throws Error.
-Plate read_plate(const std::string& path, const LightOptions& options, const MapOptions& map,
-                 const ColorConfig& colors, const Console& console);
+/// Reads a photo and finds its ball, or takes the one that the options tell. `light` is what was
+/// made of options.input: where that is the same photo, its ball is known. Throws Error.
+Plate read_plate(const std::string& path, const LightOptions& options, const Light& light,
+                 const MapOptions& map, const ColorConfig& colors, const Console& console);
 
 }  // namespace chromeball

@@ -267,7 +267,7 @@ void run_preview(const PreviewCommand& o) {
     const Light light = read_light(o.light, o.map, colors, console);
     scale(scene, o.scale);
     std::optional<Plate> plate;
-    if (o.over) plate = read_plate(*o.over, o.light, o.map, colors, console);
+    if (o.over) plate = read_plate(*o.over, o.light, light, o.map, colors, console);
     const auto views = plate ? std::vector{View::of_ball(plate->view.size, plate->view.camera,
                                                          plate->view.ball, plate->to_world)}
                              : views_of(o, scene, light, console);
