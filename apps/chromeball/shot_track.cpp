@@ -34,6 +34,12 @@ Sighting sighting_of(const Candidate& candidate, bool sure) {
     return ball;
 }
 
+/// Where a ball is expected, as key frames showed it.
+struct Expected {
+    Outline outline;
+    bool between = false;  ///< on the way from one key frame to the next, not as it was in one
+};
+
 /// Looks for the ball of one frame.
 class Search {
 public:
@@ -52,23 +58,18 @@ public:
         return sighting_of(balls.front(), balls.front().confidence >= options_.threshold);
     }
 
-    /// Near where the key frame has it: in a window around that, then in a wider one, then
-    /// everywhere. Near it half the confidence is enough, for a ball is expected there.
-    std::optional<Sighting> near(const Outline& key) const {
+    /// Near where it must be: at first only around that, then in wider windows, then everywhere.
+    /// Near it half the confidence is enough, for a ball is expected there.
+    std::optional<Sighting> near(const Expected& expected) const {
         std::optional<Sighting> weak;
-        for (const double margin : {1.0, 2.5}) {
-            const Window window = search_window(key, margin, picture_);
-            if (window.size.pixels() * 2 > picture_.size.pixels()) break;  // whole costs no more
-            const auto ball = in_window(window, key);
-            if (!ball) continue;
-            const bool moved = std::hypot(ball->outline.cx - key.cx, ball->outline.cy - key.cy) >
-                               0.5 * margin * key.a;
-            if (ball->confidence >= options_.threshold * (moved ? 1.0 : 0.5)) return certain(*ball);
-            if (!weak || ball->confidence > weak->confidence) weak = ball;
+        for (const Way& way : ways(expected.between)) {
+            auto ball = looked_for(expected.outline, way, weak);
+            if (ball) return ball;
         }
         const auto ball = whole();
         if (ball && (ball->sure || !weak || ball->confidence > weak->confidence)) weak = ball;
-        if (weak && weak->confidence >= 0.5 * options_.threshold && resembles(weak->outline, key))
+        if (weak && weak->confidence >= 0.5 * options_.threshold &&
+            resembles(weak->outline, expected.outline))
             return certain(*weak);
         return weak;
     }
@@ -90,9 +91,56 @@ private:
         return photo;
     }
 
-    std::optional<Sighting> in_window(const Window& window, const Outline& key) const {
+    /// How the ball is looked for: in a window so many radii wider than it on all sides, all over
+    /// that or only from where it must be.
+    struct Way {
+        double margin;
+        bool followed;
+    };
+
+    /// Between two key frames it is known but for the bend of its path.
+    static std::vector<Way> ways(bool between) {
+        std::vector<Way> all{{1.0, false}, {2.5, false}};
+        if (between) all.insert(all.begin(), Way{0.5, true});
+        return all;
+    }
+
+    /// Looks one way; where what is seen is cut off by the window, once more around that. Keeps the
+    /// best that is not enough.
+    std::optional<Sighting> looked_for(const Outline& expected, const Way& way,
+                                       std::optional<Sighting>& weak) const {
+        Outline around = expected;
+        Way now = way;
+        for (int again = 0; again < 2; ++again) {
+            const Window window = search_window(around, now.margin, picture_);
+            // Of so large a window the whole costs no more.
+            if (!now.followed && window.size.pixels() * 2 > picture_.size.pixels())
+                return std::nullopt;
+            const auto ball = in_window(window, around, now.followed);
+            if (!ball) return std::nullopt;
+            const double off =
+                std::hypot(ball->outline.cx - expected.cx, ball->outline.cy - expected.cy) /
+                expected.a;
+            // What was followed far from where it must be was drawn away by something else.
+            if (way.followed && off > 0.3) return std::nullopt;
+            const bool enough = ball->confidence >= options_.threshold * (off > 0.5 ? 1.0 : 0.5);
+            if (well_inside(ball->outline, window, picture_)) {
+                if (enough) return certain(*ball);
+                if (!weak || ball->confidence > weak->confidence) weak = ball;
+                return std::nullopt;
+            }
+            if (!enough) return std::nullopt;
+            around = ball->outline;
+            now = {0.5, true};
+        }
+        return std::nullopt;
+    }
+
+    /// The best that a window shows, even if the window cuts it off.
+    std::optional<Sighting> in_window(const Window& window, const Outline& around,
+                                      bool followed) const {
         if (window.size.width < 16 || window.size.height < 16) return std::nullopt;
-        const Photo rows = read(std::pair(window.y, window.y + window.size.height));
+        Photo rows = read(std::pair(window.y, window.y + window.size.height));
         Window there = window;
         there.y = std::max(window.y, rows.window.y);
         there.size.height =
@@ -101,10 +149,13 @@ private:
         DetectOptions search = search_;
         search.near.reset();
         search.expected = true;
-        search.radius_range = {kLeast * key.a, kMost * key.a};
-        for (const Candidate& ball : find_balls(part_of(rows, there), search, watch_))
+        if (followed) search.start = around;
+        search.radius_range = {kLeast * around.a, kMost * around.a};
+        const auto balls = find_balls(part_of(std::move(rows), there), search, watch_);
+        for (const Candidate& ball : balls)
             if (well_inside(ball.outline, window, picture_)) return sighting_of(ball, false);
-        return std::nullopt;
+        if (balls.empty()) return std::nullopt;
+        return sighting_of(balls.front(), false);
     }
 
     static constexpr double kLeast = 0.6, kMost = 1.6;  // of the key frame's radius
@@ -132,8 +183,8 @@ Sighting told_sighting(const Shot& shot, int frame, const Photo& header) {
     return ball;
 }
 
-/// Fills in what the frame's plate shows. key: where the search starts, if it does.
-void look(const Shot& shot, TrackRecord& record, const std::optional<Outline>& key) {
+/// Fills in what the frame's plate shows. expected: where the search starts, if it does.
+void look(const Shot& shot, TrackRecord& record, const std::optional<Expected>& expected) {
     const PhotoOptions options = shot.photo_options(record.frame);
     const Photo header = shot.plates->header(record.frame, {options.max_pixels, std::nullopt});
     const CameraChoice camera = choose_camera(options, header);
@@ -145,11 +196,11 @@ void look(const Shot& shot, TrackRecord& record, const std::optional<Outline>& k
         return;
     }
     const Search search(shot, record.frame, header, camera);
-    record.ball = key ? search.near(*key) : search.whole();
+    record.ball = expected ? search.near(*expected) : search.whole();
 }
 
 /// One frame's record. A frame that cannot be read is an answer; an interruption is not.
-TrackRecord tracked(const Shot& shot, int frame, const std::optional<Outline>& key) {
+TrackRecord tracked(const Shot& shot, int frame, const std::optional<Expected>& expected) {
     const auto start = Clock::now();
     TrackRecord record;
     record.frame = frame;
@@ -160,7 +211,7 @@ TrackRecord tracked(const Shot& shot, int frame, const std::optional<Outline>& k
         record.message = "no such file";
     } else {
         try {
-            look(shot, record, key);
+            look(shot, record, expected);
         } catch (const Error& e) {
             if (e.kind() == Error::Kind::interrupted) throw;
             record.readable = false;
@@ -204,15 +255,30 @@ public:
 
 private:
     TrackRecord tracked(int frame) const {
-        const int key = key_frame(frame, [&](int n) { return there(n); });
-        std::optional<Outline> outline;
-        if (key != frame) {
-            const std::lock_guard hold(lock_);
-            const auto record = records_.find(key);
-            if (record != records_.end() && record->second.ball && record->second.ball->sure)
-                outline = record->second.ball->outline;
-        }
-        return chromeball::tracked(shot_, frame, outline);
+        const auto key = key_frame(frame, [&](int n) { return there(n); });
+        return chromeball::tracked(shot_, frame,
+                                   key == frame ? std::nullopt : expected(frame, key));
+    }
+
+    /// By the frame's own key frame and the next one: wherever the run ends and whatever it had.
+    std::optional<Expected> expected(int frame, int key) const {
+        const auto before = surely_at(key);
+        const auto next = next_key_frame(frame, [&](int n) { return there(n); });
+        const auto after = next ? surely_at(*next) : std::nullopt;
+        if (before && after)
+            if (const auto between =
+                    outline_between(*before, *after, double(frame - key) / (*next - key)))
+                return Expected{*between, true};
+        if (before) return Expected{*before, false};
+        return std::nullopt;
+    }
+
+    std::optional<Outline> surely_at(int frame) const {
+        const std::lock_guard hold(lock_);
+        const auto record = records_.find(frame);
+        if (record == records_.end() || !record->second.ball || !record->second.ball->sure)
+            return std::nullopt;
+        return record->second.ball->outline;
     }
 
     void add(TrackRecord record) {
@@ -233,16 +299,20 @@ void run_track(const Shot& shot) {
     Track track(shot);
     Frames todo;
     std::set<int> keys;
+    const auto there = [&](int n) { return track.there(n); };
     for (const int frame : shot.frames) {
         if (track.knows(frame)) continue;
-        const int key = key_frame(frame, [&](int n) { return track.there(n); });
+        const int key = key_frame(frame, there);
         if (key == frame) {
             keys.insert(frame);
             continue;
         }
         todo.push_back(frame);
         // Of a frame that is not there nothing is searched, and of a told ball no key is needed.
-        if (!shot.solving.told && track.there(frame) && !track.knows(key)) keys.insert(key);
+        if (shot.solving.told || !there(frame)) continue;
+        if (!track.knows(key)) keys.insert(key);
+        const auto next = next_key_frame(frame, there);
+        if (next && !track.knows(*next)) keys.insert(*next);
     }
     track.search({keys.begin(), keys.end()}, "searching key frames");
     track.search(todo, "tracking");

@@ -22,6 +22,7 @@ constexpr std::size_t kMostCandidates = 8;
 constexpr std::size_t kMostFollowed = 28;
 constexpr std::size_t kMostCandidatesExpected = 3;  // the same where a ball is expected
 constexpr std::size_t kMostFollowedExpected = 8;
+constexpr std::size_t kMostCandidatesKnown = 3;  // where it is known but for a sixth of its radius
 constexpr double kWorthTelling = 0.05;  // candidates below it are only clutter, but for the best
 constexpr double kWorthSettling = 0.15;
 constexpr double kSure = 0.9;
@@ -380,15 +381,49 @@ void tell(const Watch& watch, double part) {
     if (watch.progress) watch.progress(part);
 }
 
+/// Around where the ball must be, close enough for the first pass to find the rim from one of them.
+std::vector<Outline> starts_around(const Outline& start) {
+    std::vector<Outline> starts{start};
+    const auto add = [&](double size, double shift, double turn) {
+        starts.push_back({start.cx + shift * start.a * std::cos(turn),
+                          start.cy + shift * start.a * std::sin(turn), size * start.a,
+                          size * start.b, start.angle});
+    };
+    // No larger ones: what they find outside of the ball would count as its rim.
+    add(0.93, 0, 0);
+    constexpr int kDirections = 6;
+    constexpr double kShift = 0.15;
+    for (int i = 0; i < kDirections; ++i) add(1, kShift, 2 * std::numbers::pi * i / kDirections);
+    return starts;
+}
+
+/// Where rims are followed from, in pixels of the photo's window.
+std::vector<Outline> starts_of(const Picture& picture, const Photo& photo,
+                               const DetectOptions& options, const Watch& watch) {
+    if (options.start) {
+        Outline start = *options.start;
+        start.cx -= photo.window.x;
+        start.cy -= photo.window.y;
+        return starts_around(start);
+    }
+    std::vector<Outline> starts;
+    for (const Seed& seed : find_seeds(picture.levels, options.radius_range, watch))
+        starts.push_back({seed.x, seed.y, seed.radius, seed.radius, 0});
+    return starts;
+}
+
 std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
                              const DetectOptions& options, const Watch& watch) {
     const Size size = picture.grey.pixels.size;
-    const std::size_t followed = options.expected ? kMostFollowedExpected : kMostFollowed;
-    const std::size_t kept = options.expected ? kMostCandidatesExpected : kMostCandidates;
+    const bool expected = options.expected || options.start;
+    const std::size_t followed = expected ? kMostFollowedExpected : kMostFollowed;
+    const std::size_t kept = options.start ? kMostCandidatesKnown
+                             : expected    ? kMostCandidatesExpected
+                                           : kMostCandidates;
     std::vector<Draft> drafts;
-    for (const Seed& seed : find_seeds(picture.levels, options.radius_range, watch)) {
+    for (const Outline& start : starts_of(picture, photo, options, watch)) {
         Draft draft;
-        draft.outline = {seed.x, seed.y, seed.radius, seed.radius, 0};
+        draft.outline = start;
         if (!wanted(draft.outline, photo, options, 0.25)) continue;
         follow(draft, picture, kPasses[0]);
         drafts.push_back(draft);

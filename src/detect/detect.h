@@ -23,6 +23,10 @@ struct DetectOptions {
     /// The photo is a window around a place where the ball is expected, as a frame before showed
     /// it: the few best candidates are enough, at a third of the time.
     bool expected = false;
+    /// Where the ball is but for a sixth of its radius, in display-window pixels, as frames
+    /// before and behind showed it: nothing is sought, its rim is followed from there. A quarter of
+    /// the time.
+    std::optional<Outline> start = std::nullopt;
 };
 
 /// Standard deviations of an outline's numbers, of one with the others unknown.

@@ -109,4 +109,11 @@ int key_frame(int frame, const std::function<bool(int)>& there) {
     return frame;
 }
 
+std::optional<int> next_key_frame(int frame, const std::function<bool(int)>& there) {
+    const int first = (block_of(frame) + 1) * kKeyInterval;
+    for (int key = first; key < first + kKeyInterval; ++key)
+        if (there(key)) return key;
+    return std::nullopt;
+}
+
 }  // namespace chromeball

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,5 +31,9 @@ int block_of(int frame);
 /// that is there, else the lowest number above that multiple which is. The frame itself is taken
 /// to be there. A function of the number and of what plates exist, never of what ran before.
 int key_frame(int frame, const std::function<bool(int)>& there);
+
+/// The key frame of the block behind the frame's own, to which the ball moves from its own key
+/// frame; nothing where no plate of that block is there.
+std::optional<int> next_key_frame(int frame, const std::function<bool(int)>& there);
 
 }  // namespace chromeball

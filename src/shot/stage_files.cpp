@@ -51,7 +51,7 @@ std::string stage_file_name(const Frames& frames) {
 bool may_hold(std::string_view file_name, const Frames& frames) {
     const auto span = span_of(file_name);
     if (!span) return true;
-    const int first = block_of(span->first), last = block_of(span->second);
+    const int first = block_of(span->first) - 1, last = block_of(span->second) + 1;
     const auto from =
         std::lower_bound(frames.begin(), frames.end(), first,
                          [](int frame, int block) { return block_of(frame) < block; });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace chromeball {
 namespace {
@@ -16,6 +17,17 @@ Box around(const Outline& outline, double further) {
 }
 
 }  // namespace
+
+std::optional<Outline> outline_between(const Outline& before, const Outline& after, double part) {
+    constexpr double kMostGrowth = 2, kFarthest = 6;  // times the radius
+    const double small = std::min(before.a, after.a), large = std::max(before.a, after.a);
+    const double way = std::hypot(after.cx - before.cx, after.cy - before.cy);
+    if (large > kMostGrowth * small || way > kFarthest * small) return std::nullopt;
+    const auto mean = [&](double one, double other) { return one + part * (other - one); };
+    // Which way it is longer says little so far from where it was seen.
+    const double radius = mean(std::sqrt(before.a * before.b), std::sqrt(after.a * after.b));
+    return Outline{mean(before.cx, after.cx), mean(before.cy, after.cy), radius, radius, 0};
+}
 
 Window search_window(const Outline& last, double margin, const Window& picture) {
     const Box box = around(last, margin * last.a);
@@ -39,24 +51,20 @@ bool well_inside(const Outline& outline, const Window& window, const Window& pic
            (bottom == picture.y + picture.size.height || box.bottom <= bottom);
 }
 
-Photo part_of(const Photo& photo, const Window& window) {
-    Photo part = photo;
-    part.window = window;
+Photo part_of(Photo photo, const Window& window) {
     const std::size_t pixel =
         bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
-    const auto offset = [&](int x, int y) {
-        return (static_cast<std::size_t>(y - photo.window.y) *
-                    static_cast<std::size_t>(photo.window.size.width) +
-                static_cast<std::size_t>(x - photo.window.x)) *
-               pixel;
-    };
     const std::size_t row = static_cast<std::size_t>(window.size.width) * pixel;
-    part.pixels.resize(row * static_cast<std::size_t>(window.size.height));
-    for (int y = 0; y < window.size.height; ++y)
-        std::copy_n(
-            photo.pixels.begin() + static_cast<std::ptrdiff_t>(offset(window.x, window.y + y)), row,
-            part.pixels.begin() + static_cast<std::ptrdiff_t>(row * static_cast<std::size_t>(y)));
-    return part;
+    const std::size_t stored = static_cast<std::size_t>(photo.window.size.width) * pixel;
+    const auto first = static_cast<std::size_t>(window.y - photo.window.y) * stored +
+                       static_cast<std::size_t>(window.x - photo.window.x) * pixel;
+    // In place: rows only move towards the beginning.
+    std::byte* pixels = photo.pixels.data();
+    for (std::size_t y = 0; y < static_cast<std::size_t>(window.size.height); ++y)
+        std::memmove(pixels + y * row, pixels + first + y * stored, row);
+    photo.pixels.resize(row * static_cast<std::size_t>(window.size.height));
+    photo.window = window;
+    return photo;
 }
 
 }  // namespace chromeball

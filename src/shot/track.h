@@ -39,6 +39,10 @@ struct TrackRecord {
     std::string message;  ///< why it could not be read, or what the user should know
 };
 
+/// Where a ball is between two frames in which it was seen: `part` of the way from one to the
+/// other. Nothing where the two are so unlike that a cut lies between them.
+std::optional<Outline> outline_between(const Outline& before, const Outline& after, double part);
+
 /// The part of a picture to look at for a ball that was at an outline some frames ago: `margin`
 /// radii further than the rim on all sides, cut to the picture.
 Window search_window(const Outline& last, double margin, const Window& picture);
@@ -47,7 +51,7 @@ Window search_window(const Outline& last, double margin, const Window& picture);
 /// window ends with the picture itself the ball may reach beyond.
 bool well_inside(const Outline& outline, const Window& window, const Window& picture);
 
-/// The part of a photo that a window shows, which must lie in photo.window.
-Photo part_of(const Photo& photo, const Window& window);
+/// The part of a photo that a window shows, which must lie in photo.window. Cuts in place.
+Photo part_of(Photo photo, const Window& window);
 
 }  // namespace chromeball

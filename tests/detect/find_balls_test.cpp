@@ -49,6 +49,24 @@ TEST(FindBalls, AMirrorBallInAStreetIsFoundToHalfAPercent) {
     EXPECT_LT(ball.rim_blur, 2);
 }
 
+TEST(FindBalls, ABallThatIsKnownButForASixthOfItsRadiusIsFollowedFromThere) {
+    const Scene scene;
+    const Photo photo = camera_photo(street_light(), scene.size);
+    const Outline truth = scene.outline();
+    for (const V2d& off : {V2d(0, 0), V2d(0.12, 0.1), V2d(-0.1, -0.1), V2d(-0.15, 0.05)}) {
+        DetectOptions options;
+        options.start = Outline{truth.cx + off.x * truth.a, truth.cy + off.y * truth.a,
+                                1.05 * truth.a, 1.05 * truth.a, 0};
+        SCOPED_TRACE(off);
+        expect_outline(best_of(photo, options), truth, 0.005);
+    }
+    // Of what lies elsewhere nothing is said.
+    DetectOptions elsewhere;
+    elsewhere.start = Outline{truth.cx - 3 * truth.a, truth.cy, truth.a, truth.a, 0};
+    for (const Candidate& ball : find_balls(photo, elsewhere))
+        EXPECT_GT(std::abs(ball.outline.cx - truth.cx), truth.a);
+}
+
 TEST(FindBalls, AnOffAxisBallIsAnEllipseThatPointsToTheMiddle) {
     Scene scene;
     scene.camera.focal = 520;
@@ -192,7 +210,7 @@ TEST(FindBalls, NearAndRadiusRangeLeaveTheOthersOut) {
     DetectOptions here, elsewhere, sized, smaller;
     here.near = V2d(truth.cx + 0.5 * truth.b, truth.cy);
     elsewhere.near = V2d(truth.cx + 1.3 * truth.b, truth.cy);
-    sized.radius_range = {{0.9 * truth.b, 1.1 * truth.a}};
+    sized.radius_range = {{0.9 * truth.b, 1.05 * truth.a}};
     smaller.radius_range = {{10, 0.8 * truth.b}};
     expect_outline(best_of(photo, here), truth, 0.01);
     expect_outline(best_of(photo, sized), truth, 0.01);

@@ -63,5 +63,20 @@ TEST(KeyFrame, IsTheMultipleOf16BelowOrTheFirstThere) {
     EXPECT_EQ(key(1041), 1040);
 }
 
+TEST(KeyFrame, OfTheNextBlockIsTheFirstThere) {
+    const std::set<int> there = {1001, 1008, 1030, 1050};
+    const auto next = [&](int frame) {
+        return next_key_frame(frame, [&](int n) { return there.contains(n); });
+    };
+    EXPECT_EQ(next(1001), 1008);
+    EXPECT_EQ(next(1007), 1008);
+    EXPECT_EQ(next(1008), 1030);
+    EXPECT_EQ(next(1023), 1030);
+    EXPECT_EQ(next(1024), 1050);  // 1040 is not there
+    EXPECT_FALSE(next(1040));     // of the block of 1056 nothing is
+    EXPECT_EQ(next(980), 1001);   // of the block of 992
+    EXPECT_FALSE(next(970));
+}
+
 }  // namespace
 }  // namespace chromeball

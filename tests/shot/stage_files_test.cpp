@@ -36,14 +36,15 @@ TEST(StageFiles, MayHoldTheFramesOfTheirRunAndOfItsBlocks) {
     for (const Frames& run : runs) {
         const std::string name = stage_file_name(run);
         for (const int frame : run) EXPECT_TRUE(may_hold(name, {frame})) << name << " " << frame;
-        // The key frame of its first frame, and what has that key frame.
+        // The key frames of its frames, and what has those key frames.
         EXPECT_TRUE(may_hold(name, {run.front() / 16 * 16})) << name;
-        EXPECT_TRUE(may_hold(name, {run.back() / 16 * 16 + 15})) << name;
-        EXPECT_FALSE(may_hold(name, {run.front() / 16 * 16 - 1})) << name;
-        EXPECT_FALSE(may_hold(name, {run.back() / 16 * 16 + 16})) << name;
+        EXPECT_TRUE(may_hold(name, {run.back() / 16 * 16 + 16})) << name;
+        EXPECT_TRUE(may_hold(name, {run.back() / 16 * 16 + 31})) << name;
+        EXPECT_FALSE(may_hold(name, {run.front() / 16 * 16 - 17})) << name;
+        EXPECT_FALSE(may_hold(name, {run.back() / 16 * 16 + 32})) << name;
         EXPECT_TRUE(may_hold(name, from_to(0, 5000))) << name;
     }
-    EXPECT_FALSE(may_hold("100-140.jsonl", {10, 20, 300, 400}));
+    EXPECT_FALSE(may_hold("100-140.jsonl", {10, 70, 300, 400}));
     EXPECT_TRUE(may_hold("100-140.jsonl", {10, 120, 400}));
     EXPECT_TRUE(may_hold("by hand.jsonl", {10}));
     EXPECT_TRUE(may_hold("12-x.jsonl", {1000}));
@@ -55,7 +56,7 @@ TEST(StageFiles, AreListedByNameAndByWhatTheyMayHold) {
     fs::remove_all(folder);
     EXPECT_TRUE(stage_files(folder.string()).empty());
     fs::create_directory(folder);
-    for (const char* name : {"33-40.jsonl", "1-16.jsonl", "17-32.jsonl", "note.txt"})
+    for (const char* name : {"133-140.jsonl", "1-16.jsonl", "101-120.jsonl", "note.txt"})
         std::ofstream(folder / name) << "x";
     const auto names = [](const std::vector<std::string>& files) {
         std::vector<std::string> all;
@@ -64,8 +65,9 @@ TEST(StageFiles, AreListedByNameAndByWhatTheyMayHold) {
     };
     using Names = std::vector<std::string>;
     EXPECT_EQ(names(stage_files(folder.string())),
-              (Names{"1-16.jsonl", "17-32.jsonl", "33-40.jsonl"}));
-    EXPECT_EQ(names(stage_files(folder.string(), {34, 35})), (Names{"17-32.jsonl", "33-40.jsonl"}));
+              (Names{"1-16.jsonl", "101-120.jsonl", "133-140.jsonl"}));
+    EXPECT_EQ(names(stage_files(folder.string(), {134, 135})),
+              (Names{"101-120.jsonl", "133-140.jsonl"}));
     EXPECT_EQ(names(stage_files(folder.string(), {3})), Names{"1-16.jsonl"});
     EXPECT_TRUE(stage_files(folder.string(), {300}).empty());
     fs::remove_all(folder);
