@@ -45,6 +45,10 @@ public:
                           input_->read_image(index, 0, 0, photo.channels, type_desc_of(photo.type),
                                              photo.pixels.data());
         const std::string why = input_->geterror();
+        if ((!good || !why.empty()) && index >= frames_ - kHeldBack)
+            throw unreadable(index,
+                             "it is one of the last, which this reader cannot give where a codec "
+                             "stores frames out of order (H.264 and H.265 with B-frames)");
         if (!good || !why.empty()) throw unreadable(index, why);
         return photo;
     }
