@@ -64,6 +64,7 @@ public:
     /// A hash of all that the frame's files depend on.
     std::string fingerprint(const SolvedFrame& frame) const {
         std::string words = fmt::format("{} {}\n", shot_.map_settings, size_);
+        if (solved_.head.focal) words += fmt::format("focal {}\n", *solved_.head.focal);
         for (const SolvedFrame* one : averaged(frame)) {
             const Outline& o = *one->outline;
             words += fmt::format("{} {} {} {} {} {} {} {}\n", one->frame,
@@ -175,6 +176,11 @@ private:
         job.photo = shot_.plates->read(
             frame.frame, {options.max_pixels, std::pair(needed.y, needed.y + needed.size.height)});
         job.camera = choose_camera(options, job.photo);
+        if (!job.camera.told && solved_.head.focal) {
+            job.camera.camera.focal = solved_.head.focal;
+            job.camera.source = "estimated from the outlines";
+            job.camera.told = true;
+        }
         job.ball.found = true;
         job.ball.outline = *frame.outline;
         job.ball.how = "solved";

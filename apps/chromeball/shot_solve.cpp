@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -21,13 +22,35 @@ double steradians_per_pixel(const Outline& outline, const TrackRecord& record) {
     return 2 * std::numbers::pi * (1 + std::cos(hidden)) / area(outline);
 }
 
+/// The focal length that the outlines tell, for all frames.
+void adopt_focal(const Shot& shot, std::vector<TrackRecord>& records, SolveHead& head) {
+    const auto hint = focal_of_shot(records);
+    if (!hint) return;
+    head.focal = hint->focal;
+    for (TrackRecord& record : records) record.camera.focal = hint->focal;
+    shot.console.warn(fmt::format(
+        "{}: the focal length is not known; the outlines' shapes say {:.0f} pixels, give or take "
+        "{:.0f}, if the plates are not cropped: give --focal-mm and --sensor-mm, --hfov, "
+        "--focal-px, --distance-radii or --cameras if you know better, or --orthographic",
+        shot.plates->typed(), hint->focal, hint->deviation));
+}
+
+void warn_of_lost_keys(const Shot& shot) {
+    for (const auto& [frame, outline] : shot.solving.keys)
+        if (!std::binary_search(shot.frames.begin(), shot.frames.end(), frame))
+            shot.console.warn(fmt::format("--key {}: the frame is none of the shot's, {}", frame,
+                                          text_of(shot.frames)));
+}
+
 }  // namespace
 
 void run_solve(const Shot& shot) {
-    const std::vector<TrackRecord> records = track_records(shot);
-    const std::vector<SolvedFrame> solved = solve(records, shot.solving);
+    std::vector<TrackRecord> records = track_records(shot);
     SolveHead head;
     head.settings = shot.solve_settings;
+    adopt_focal(shot, records, head);
+    warn_of_lost_keys(shot);
+    const std::vector<SolvedFrame> solved = solve(records, shot.solving);
     std::string text;
     for (std::size_t i = 0; i < solved.size(); ++i) {
         text += to_line(solved[i]);

@@ -31,6 +31,7 @@ Sighting sighting_of(const Candidate& candidate, bool sure) {
     ball.visible_rim = candidate.visible_rim;
     ball.lens_blur = lens_blur(candidate);
     ball.sure = sure;
+    if (candidate.focal) ball.focal = FocalHint{candidate.focal->focal, candidate.focal->deviation};
     return ball;
 }
 
@@ -197,6 +198,8 @@ void look(const Shot& shot, TrackRecord& record, const std::optional<Expected>& 
     }
     const Search search(shot, record.frame, header, camera);
     record.ball = expected ? search.near(*expected) : search.whole();
+    // What was cropped since has its optical axis anywhere.
+    if (record.ball && (camera.told || !camera.note.empty())) record.ball->focal.reset();
 }
 
 /// One frame's record. A frame that cannot be read is an answer; an interruption is not.

@@ -42,13 +42,15 @@ Outline outline_from(const Json& json) {
 }
 
 Json to_json(const Sighting& ball) {
-    return {
+    Json json = {
         {"outline", to_json(ball.outline)},
         {"deviation", {ball.centre_deviation.x, ball.centre_deviation.y, ball.radius_deviation}},
         {"confidence", ball.confidence},
         {"visible_rim", ball.visible_rim},
         {"lens_blur", ball.lens_blur},
         {"sure", ball.sure}};
+    if (ball.focal) json["focal_px"] = {ball.focal->focal, ball.focal->deviation};
+    return json;
 }
 
 Sighting sighting_from(const Json& json) {
@@ -61,6 +63,10 @@ Sighting sighting_from(const Json& json) {
     ball.visible_rim = json.at("visible_rim");
     ball.lens_blur = json.at("lens_blur");
     ball.sure = json.at("sure");
+    if (json.contains("focal_px")) {
+        const auto hint = json.at("focal_px").get<std::array<double, 2>>();
+        ball.focal = FocalHint{hint[0], hint[1]};
+    }
     return ball;
 }
 
@@ -125,6 +131,7 @@ std::string to_line(const SolveHead& head) {
     Json json = record(kSolve);
     json["settings"] = head.settings;
     json["steradians"] = head.steradians;
+    if (head.focal) json["focal_px"] = *head.focal;
     return line_of(json);
 }
 
@@ -133,6 +140,7 @@ std::optional<SolveHead> solve_head_from(std::string_view line) {
         SolveHead head;
         head.settings = json.at("settings");
         head.steradians = json.at("steradians");
+        if (json.contains("focal_px")) head.focal = json.at("focal_px").get<double>();
         return head;
     });
 }

@@ -26,6 +26,8 @@ struct SolveHead {
     /// Solid angle, steradians, that a pixel of the largest ball shows in the mean: maps are as
     /// fine as that asks for, all of one size. 0: no ball.
     double steradians = 0;
+    /// Of all frames, pixels, where the outlines tell it and nobody else does.
+    std::optional<double> focal = std::nullopt;
 
     bool operator==(const SolveHead&) const = default;
 };

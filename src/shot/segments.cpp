@@ -10,8 +10,9 @@
 namespace chromeball {
 namespace {
 
-constexpr double kJump = 4;        // overruled sightings that a jump is worth
-constexpr std::size_t kBack = 32;  // waypoints that may be overruled in a row
+constexpr double kJump = 4;          // overruled sightings that a jump is worth
+constexpr double kJumpFromKey = 16;  // the same from or to what a hand placed, alone
+constexpr std::size_t kBack = 32;    // waypoints that may be overruled in a row
 constexpr double kCertain = 1e9;
 
 double apart(const Waypoint& a, const Waypoint& b) {
@@ -64,7 +65,9 @@ std::vector<int> pieces_of(const std::vector<Waypoint>& points) {
             const std::size_t from = to - back;
             const double s = strain(from, to);
             // A little for any strain, so that of two ways the smoother one wins.
-            const double link = s > 1 ? kJump : 0.3 * s * s;
+            // Where a hand says that the ball is, a jump away rather is a wrong sighting.
+            const bool from_key = points[from].certain != points[to].certain;
+            const double link = s > 1 ? (from_key ? kJumpFromKey : kJump) : 0.3 * s * s;
             const double cost = best[from].cost + between + link;
             if (cost < best[to].cost) best[to] = {cost, std::ptrdiff_t(from), s > 1};
             between += overruling(points[from]);

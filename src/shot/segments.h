@@ -17,7 +17,8 @@ struct Waypoint {
 ///
 /// The path is the chain of waypoints with the least cost: overruling one costs its trust, a jump
 /// (a cut, a ball moved between takes) as much as four. So the detection of another thing in a few
-/// frames is overruled, and what stays at a new place is a new piece. How fast a ball may move
+/// frames is overruled, and what stays at a new place is a new piece; beside what a hand placed a
+/// jump costs sixteen. How fast a ball may move
 /// before it counts as a jump follows from how fast it moves around there.
 ///
 /// Gives for each waypoint the number of its piece, from 0, or -1 where it is overruled.

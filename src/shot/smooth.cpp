@@ -126,6 +126,20 @@ double best_power(Curve& curve) {
     return 0.5 * (low + high);
 }
 
+/// Without those that are told.
+Samples seen(const Samples& samples) {
+    Samples some;
+    some.count = samples.count;
+    for (std::size_t i = 0; i < samples.at.size(); ++i) {
+        if (samples.told[i]) continue;
+        some.at.push_back(samples.at[i]);
+        some.value.push_back(samples.value[i]);
+        some.deviation.push_back(samples.deviation[i]);
+        some.weight.push_back(samples.weight[i]);
+    }
+    return some;
+}
+
 }  // namespace
 
 Smoothed smooth(const Samples& samples, const Stiffness& stiffness) {
@@ -135,6 +149,8 @@ Smoothed smooth(const Samples& samples, const Stiffness& stiffness) {
     Samples scaled = samples;
     for (double& value : scaled.value) value = (value - middle) / unit;
     for (double& deviation : scaled.deviation) deviation /= unit;
+    for (std::size_t i = 0; i < scaled.told.size(); ++i)
+        if (scaled.told[i]) scaled.deviation[i] = 1;
 
     Smoothed result;
     const int order = std::min(stiffness.order, static_cast<int>(samples.at.size()) - 1);
@@ -142,11 +158,18 @@ Smoothed smooth(const Samples& samples, const Stiffness& stiffness) {
         result.value.assign(static_cast<std::size_t>(samples.count), samples.value.front());
         return result;
     }
-    Curve curve(scaled, order);
+    // A told place that lies off what is seen must not make the whole curve soft.
+    const bool some_told =
+        std::find(samples.told.begin(), samples.told.end(), true) != samples.told.end();
+    const Samples judged = some_told ? seen(scaled) : scaled;
+    const bool enough = std::ssize(judged.at) > order + 1;
+    Curve free(enough ? judged : scaled, order);
     const double ratio =
-        stiffness.variance_ratio > 0 ? stiffness.variance_ratio : std::pow(10, best_power(curve));
+        stiffness.variance_ratio > 0 ? stiffness.variance_ratio : std::pow(10, best_power(free));
+    free.badness(ratio);
+    result.noise = std::sqrt(free.variance());
+    Curve curve(scaled, order);
     curve.badness(ratio);
-    result.noise = std::sqrt(curve.variance());
     for (int i = 0; i < samples.count; ++i)
         result.value.push_back(middle + unit * curve.curve()[i]);
     return result;

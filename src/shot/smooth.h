@@ -11,6 +11,9 @@ struct Samples {
     std::vector<double> value;
     std::vector<double> deviation;  ///< standard deviation of each value as its maker thinks; > 0
     std::vector<double> weight;     ///< 0 to 1: how far each is trusted at all
+    /// Which are told, not seen: they count as much as a typical one, and say nothing of how stiff
+    /// the curve is. Empty: none.
+    std::vector<bool> told = {};
 };
 
 struct Smoothed {

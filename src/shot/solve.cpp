@@ -20,7 +20,7 @@ using std::numbers::pi;
 constexpr std::size_t kMostNumbers = 5;
 using Numbers = std::array<double, kMostNumbers>;
 
-constexpr double kKeyDeviation = 0.05;    // pixels: a hand places it as well as anything
+constexpr double kKeyDeviation = 0.05;    // pixels: where nothing else is known
 constexpr double kLeastDeviation = 0.05;  // pixels: no detection is better, whatever it thinks
 constexpr double kUnsure = 3;             // times the deviation of a sighting that is not sure
 constexpr double kWorthHearing = 0.1;     // confidence of a sighting that is not sure
@@ -96,7 +96,6 @@ std::vector<Measurement> measurements_of(const std::vector<TrackRecord>& records
             Measurement m{i, key->second, shape.numbers_of(key->second, record.camera), {}, 1, true,
                           1};
             m.deviation.fill(kKeyDeviation);
-            m.deviation[3] = m.deviation[4] = 1;  // a circle by hand says nothing of the shape
             all.push_back(m);
         } else if (record.ball && (record.ball->sure || record.ball->confidence >= kWorthHearing)) {
             const Sighting& ball = *record.ball;
@@ -172,6 +171,8 @@ void doubt_outliers_of_a_place(std::vector<Measurement>& seen) {
             seen[i].weight = 1e-4;
 }
 
+bool is_circle(const Outline& outline) { return outline.a == outline.b; }
+
 /// One number of all measurements of a piece, at the times from its first frame on.
 Samples samples_of(const Piece& piece, std::size_t number) {
     Samples samples;
@@ -181,12 +182,20 @@ Samples samples_of(const Piece& piece, std::size_t number) {
         samples.value.push_back(piece.seen[i].value[number]);
         samples.deviation.push_back(piece.seen[i].deviation[number]);
         samples.weight.push_back(piece.seen[i].weight);
+        samples.told.push_back(piece.seen[i].certain &&
+                               (number < 3 || !is_circle(piece.seen[i].outline)));
+        // A circle by hand says nothing of the shape.
+        if (number >= 3 && piece.seen[i].certain && is_circle(piece.seen[i].outline))
+            samples.deviation.back() = 1;
     }
     return samples;
 }
 
-/// The weighted mean at all times.
-Smoothed constant(const Samples& samples) {
+/// The weighted mean at all times; of those that are told, where some are.
+Smoothed constant(Samples samples) {
+    if (std::find(samples.told.begin(), samples.told.end(), true) != samples.told.end())
+        for (std::size_t i = 0; i < samples.told.size(); ++i)
+            samples.weight[i] = samples.told[i] ? 1 : 0;
     double sum = 0, weights = 0, scatter = 0;
     for (std::size_t i = 0; i < samples.at.size(); ++i) {
         const double w = samples.weight[i] / (samples.deviation[i] * samples.deviation[i]);
@@ -233,6 +242,42 @@ void smooth_path(Piece& piece, std::size_t numbers, bool lock) {
         for (std::size_t i = 0; i < misfit.size(); ++i)
             if (!piece.seen[i].certain)
                 piece.seen[i].weight = std::min(1.0, (kTails + 3) / (kTails + misfit[i]));
+    }
+}
+
+/// From 1 to 0 while x goes from 0 to 1, level at both ends.
+double fading(double x) {
+    x = std::clamp(x, 0.0, 1.0);
+    return 1 - x * x * (3 - 2 * x);
+}
+
+/// Moves the path so that it goes through the keys: by what each is off, smoothly from key to key
+/// where they are near, else fading within some frames, so that far from keys nothing changes.
+void bend_to_keys(Piece& piece, std::size_t numbers) {
+    constexpr int kReach = 8;  // frames
+    std::vector<std::pair<int, Numbers>> keys;
+    for (std::size_t i = 0; i < piece.seen.size(); ++i) {
+        if (!piece.seen[i].certain) continue;
+        const int frame = piece.frames[i] - piece.first;
+        Numbers off = piece.seen[i].value;
+        for (std::size_t n = 0; n < numbers; ++n)
+            off[n] -= piece.path[static_cast<std::size_t>(frame)][n];
+        if (is_circle(piece.seen[i].outline)) off[3] = off[4] = 0;  // of its shape nothing is said
+        keys.emplace_back(frame, off);
+    }
+    if (keys.empty()) return;
+    for (int frame = 0; frame < std::ssize(piece.path); ++frame) {
+        const auto after = std::find_if(keys.begin(), keys.end(),
+                                        [&](const auto& key) { return key.first >= frame; });
+        const bool has_after = after != keys.end(), has_before = after != keys.begin();
+        const auto before = has_before ? std::prev(after) : after;
+        const int gap = has_before && has_after ? after->first - before->first : kReach;
+        const double reach = std::min(gap, kReach);
+        Numbers& path = piece.path[static_cast<std::size_t>(frame)];
+        for (std::size_t n = 0; n < numbers; ++n) {
+            if (has_before) path[n] += before->second[n] * fading((frame - before->first) / reach);
+            if (has_after) path[n] += after->second[n] * fading((after->first - frame) / reach);
+        }
     }
 }
 
@@ -440,7 +485,48 @@ bool all_have_focal(const std::vector<TrackRecord>& records) {
     });
 }
 
+/// The robust mean of logarithms, each with its deviation, and the sum of their weights.
+std::pair<double, double> robust_mean(const std::vector<double>& logs,
+                                      const std::vector<double>& deviations) {
+    constexpr int kRounds = 20;
+    double mean = median(logs), weights = 0;
+    for (int round = 0; round < kRounds; ++round) {
+        double sum = 0;
+        weights = 0;
+        for (std::size_t i = 0; i < logs.size(); ++i) {
+            const double off = (logs[i] - mean) / deviations[i];
+            const double w = std::min(1.0, (kTails + 1) / (kTails + off * off)) /
+                             (deviations[i] * deviations[i]);
+            weights += w;
+            sum += w * logs[i];
+        }
+        mean = sum / weights;
+    }
+    return {mean, weights};
+}
+
 }  // namespace
+
+std::optional<FocalHint> focal_of_shot(const std::vector<TrackRecord>& records) {
+    constexpr double kLeastDeviation = 0.02;  // of a focal length: no shape tells more
+    constexpr double kOfOne = 12;             // frames that share their errors
+    std::vector<double> logs, deviations;
+    std::size_t sightings = 0;
+    for (const TrackRecord& record : records) {
+        if (!record.there || !record.readable) continue;
+        if (!record.camera.orthographic() || record.distance) return std::nullopt;
+        if (!record.ball || !record.ball->sure) continue;
+        ++sightings;
+        if (!record.ball->focal) continue;
+        const auto& [focal, deviation] = *record.ball->focal;
+        logs.push_back(std::log(focal));
+        deviations.push_back(std::max(deviation / focal, kLeastDeviation));
+    }
+    if (logs.empty() || logs.size() * 5 < sightings) return std::nullopt;
+    const auto [mean, weights] = robust_mean(logs, deviations);
+    const double alike = std::min(kOfOne, static_cast<double>(logs.size()));
+    return FocalHint{std::exp(mean), std::exp(mean) * std::sqrt(alike / weights)};
+}
 
 std::vector<SolvedFrame> solve(const std::vector<TrackRecord>& records,
                                const SolveOptions& options) {
@@ -450,6 +536,7 @@ std::vector<SolvedFrame> solve(const std::vector<TrackRecord>& records,
         pieces_from(measurements_of(records, options, shape), records, options.lock);
     for (Piece& piece : pieces) {
         smooth_path(piece, shape.numbers(), options.lock);
+        if (!options.lock) bend_to_keys(piece, shape.numbers());
         piece.lens_blur = median_blur(piece, records);
     }
     const Judge judge(options, shape, pieces);

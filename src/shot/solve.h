@@ -38,6 +38,12 @@ struct SolvedFrame {
     std::string message;
 };
 
+/// The focal length of a shot whose lens nobody tells, from the shapes of its outlines: a mean of
+/// the frames', weighed by their deviations and robust against wrong ones. Its deviation takes
+/// neighbours for one sighting, since they share their errors. Nothing where a camera is known, or
+/// fewer than a fifth of the outlines tell anything.
+std::optional<FocalHint> focal_of_shot(const std::vector<TrackRecord>& records);
+
 /// The ball's path over a shot: smooth in time, without what was seen wrongly, with gaps filled.
 ///
 /// What is smoothed is the cone, not the ellipse. With a focal length it has three numbers (where
@@ -45,7 +51,9 @@ struct SolvedFrame {
 /// follows; without one, the same of the ellipse, whose shape is smoothed strongly. Measurements
 /// count by their own deviations, which are scaled by what the data say; a Student-t weight
 /// overrules those that do not fit, whatever their confidence. Cuts and jumps end a piece of the
-/// path, across which nothing is smoothed. Keys win over what was detected.
+/// path, across which nothing is smoothed. The path goes through keys, bent around them within 8
+/// frames, and is as stiff as without them; a circle by hand tells place and size, an ellipse the
+/// shape too.
 ///
 /// records: one for each frame, ascending; the result has as many. Deterministic.
 std::vector<SolvedFrame> solve(const std::vector<TrackRecord>& records,

@@ -10,6 +10,14 @@
 
 namespace chromeball {
 
+/// A focal length that the shape of an outline tells, with its standard deviation, pixels.
+struct FocalHint {
+    double focal = 0;
+    double deviation = 0;
+
+    bool operator==(const FocalHint&) const = default;
+};
+
 /// A ball as seen in one frame.
 struct Sighting {
     Outline outline;             ///< upright display-window pixels
@@ -20,6 +28,7 @@ struct Sighting {
     double lens_blur = 0;    ///< standard deviation, pixels
     /// Whether it counts as found; a weaker one is only held against what the others tell.
     bool sure = false;
+    std::optional<FocalHint> focal = std::nullopt;  ///< where nobody tells the lens
 
     bool operator==(const Sighting&) const = default;
 };

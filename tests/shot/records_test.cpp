@@ -13,7 +13,8 @@ TrackRecord full_record() {
     r.frame = 1010;
     r.settings = "abc";
     r.plate = "12-34";
-    r.ball = Sighting{{0.1 + 0.2, 2, 30, 29, 44}, V2d(0.1, 0.2), 0.3, 0.9, 0.8, 0.7, true};
+    r.ball = Sighting{{0.1 + 0.2, 2, 30, 29, 44}, V2d(0.1, 0.2), 0.3, 0.9, 0.8, 0.7, true,
+                      FocalHint{1234.5, 67.8}};
     r.display = {1920, 1080};
     r.camera.focal = 1000.0 / 3;
     r.camera.principal = V2d(960, 540);
@@ -47,8 +48,8 @@ TEST(Records, ComeBackFromTheirLinesExactly) {
     EXPECT_EQ(solved_frame_from(to_line(f))->outline, f.outline);
     EXPECT_EQ(to_line(*solved_frame_from(to_line(f))), to_line(f));
 
-    const SolveHead head{"xyz", 1e-4};
-    EXPECT_EQ(solve_head_from(to_line(head)), head);
+    for (const SolveHead& head : {SolveHead{"xyz", 1e-4}, SolveHead{"xyz", 1e-4, 1000.0 / 3}})
+        EXPECT_EQ(solve_head_from(to_line(head)), head);
     const ConvertRecord c{5, "s", true, 0.5, "m"};
     EXPECT_EQ(to_line(convert_record_from(to_line(c)).value()), to_line(c));
 }

@@ -236,6 +236,93 @@ TEST(Solve, LetsKeysWin) {
     EXPECT_NE(solved[20].message.find("--key"), std::string::npos);
 }
 
+TEST(Solve, GoesThroughKeysAndStaysAsStiffAsWithoutThem) {
+    const Take take = take_of(drift, 80);
+    const auto plain = solve(take.records, {});
+    SolveOptions options;
+    const Outline& truth = take.truth[40];
+    const Outline key{truth.cx + 6, truth.cy - 3, truth.a, truth.b, truth.angle};
+    options.keys[1041] = key;
+    const auto solved = solve(take.records, options);
+    EXPECT_LT(rim_deviation(*solved[40].outline, key), 0.15);  // up to the cone's shape
+    // It bends to the key smoothly, and far from it nothing shakes.
+    EXPECT_GT(solved[41].outline->cx, plain[41].outline->cx + 1);
+    EXPECT_LT(solved[41].outline->cx, solved[40].outline->cx + 1);
+    std::vector<SolvedFrame> far(solved.begin(), solved.begin() + 25);
+    const std::vector<Outline> truths(take.truth.begin(), take.truth.begin() + 25);
+    EXPECT_LT(jitter(far, truths), 0.15 * kNoise);
+    const std::vector<SolvedFrame> before(plain.begin(), plain.begin() + 25);
+    EXPECT_LT(rms(far, truths), rms(before, truths) + 0.5 * kNoise);
+}
+
+TEST(Solve, LocksTheBallWhereAKeyPutsIt) {
+    const Take take = take_of([](double) { return V3d(800, 500, 90); }, 20);
+    SolveOptions options{.lock = true};
+    const Outline& seen = take.truth[3];
+    options.keys[1004] = {seen.cx + 4, seen.cy, seen.a, seen.b, seen.angle};
+    for (const SolvedFrame& f : solve(take.records, options))
+        EXPECT_LT(rim_deviation(*f.outline, options.keys[1004]), 0.2) << f.frame;
+}
+
+TEST(Solve, TakesTheShapeOfAKeyThatIsAnEllipse) {
+    const Take take = take_of([](double) { return V3d(960, 540, 90); }, 30, false);
+    SolveOptions options;
+    options.keys[1015] = {960, 540, 100, 80, 30};
+    const Outline solved = *solve(take.records, options)[14].outline;
+    EXPECT_LT(rim_deviation(solved, options.keys[1015]), 0.3);
+    options.keys[1015] = {960, 540, 90, 90, 0};  // a circle tells place and size only
+    EXPECT_LT(rim_deviation(*solve(take.records, options)[14].outline, take.truth[14]), 0.5);
+}
+
+TEST(Solve, TrustsAKeyMoreThanSightingsAroundIt) {
+    // Another ball is taken for it, all the time but in the first and last frames.
+    Take take = take_of(drift, 40);
+    for (std::size_t i = 12; i < 26; ++i) put(take, i, 1500, 300, 60);
+    const auto wrong = solve(take.records, {});
+    EXPECT_GT(rim_deviation(*wrong[18].outline, take.truth[18]), 100);
+    SolveOptions options{.missing = MissingFrames::interpolate};
+    options.keys[1019] = take.truth[18];
+    const auto solved = solve(take.records, options);
+    for (std::size_t i = 12; i < 26; ++i)
+        EXPECT_LT(rim_deviation(*solved[i].outline, take.truth[i]), 10) << i;
+    EXPECT_EQ(solved[15].outcome, FrameOutcome::filled);
+}
+
+/// The same with what shapes tell of the lens; `spread` is its deviation, a part.
+Take with_hints(Take take, double focal, double spread) {
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0, spread);
+    for (TrackRecord& r : take.records)
+        r.ball->focal = FocalHint{focal * std::exp(noise(random)), focal * spread};
+    return take;
+}
+
+TEST(Solve, TellsTheFocalLengthOfAShotFromAllItsOutlines) {
+    Take take = with_hints(take_of(drift, 60, false), 1000, 0.1);
+    take.records[7].ball->focal = FocalHint{200, 5};  // wrong, and sure of it
+    take.records[30].ball->focal.reset();
+    take.records[31].ball.reset();
+    take.records[32].readable = false;
+    const auto hint = focal_of_shot(take.records);
+    ASSERT_TRUE(hint);
+    EXPECT_NEAR(hint->focal, 1000, 50);
+    // Twelve neighbours count as one: 60 frames as five.
+    EXPECT_NEAR(hint->deviation, 100 / std::sqrt(5.0), 20);
+}
+
+TEST(Solve, TellsNoFocalLengthWhereItIsKnownOrHardlyAnyOutlineDoes) {
+    EXPECT_FALSE(focal_of_shot({}));
+    EXPECT_FALSE(focal_of_shot(take_of(drift, 20, false).records));
+    EXPECT_FALSE(focal_of_shot(with_hints(take_of(drift, 20, true), 900, 0.1).records));
+    Take few = with_hints(take_of(drift, 20, false), 1000, 0.1);
+    EXPECT_TRUE(focal_of_shot(few.records));
+    for (std::size_t i = 3; i < 20; ++i) few.records[i].ball->focal.reset();
+    EXPECT_FALSE(focal_of_shot(few.records));
+    Take distant = with_hints(take_of(drift, 20, false), 1000, 0.1);
+    distant.records[4].distance = 12;
+    EXPECT_FALSE(focal_of_shot(distant.records));
+}
+
 TEST(Solve, TakesToldOutlinesAsTheyAre) {
     Take take = take_of(drift, 5);
     const auto solved = solve(take.records, {.told = true});
