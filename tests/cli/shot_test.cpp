@@ -12,6 +12,9 @@
 #include "cli/refusal.h"
 #include "cli/world.h"
 #include "detect/painted.h"
+#include "io/facts.h"
+#include "io/read.h"
+#include "io/write.h"
 
 // The command shot on a small plate: a ball that drifts through 320 x 180 pixels.
 
@@ -213,7 +216,7 @@ TEST(Shot, GoesOnAfterBeingKilled) {
     const TempFolder folder;
     put_plates(folder);
     make(folder, "out");
-    for (const int milliseconds : {60, 150, 300, 450}) {
+    for (const int milliseconds : {60, 150, 300, 450, 700, 1000}) {
         Running running(folder, shot("out"));
         std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
         running.signal(SIGKILL);
@@ -296,6 +299,138 @@ TEST(Shot, HoldsSkipsOrInterpolatesFramesWithoutABall) {
     EXPECT_EQ(run(folder, shot("skipped", {"--report", "s.json", "--missing", "skip"})).status, 3);
     EXPECT_EQ(outcomes(report_in(folder, "s.json")).at(1008), "missing");
     EXPECT_EQ(results(folder, "skipped").size(), plates().size() - 1);
+}
+
+TEST(Shot, TakesKeysForGranted) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const Outline truth = scene(1008).outline();
+    // The axes of an ellipse in either order.
+    const auto solved = [&](const std::string& key) {
+        EXPECT_EQ(run(folder, shot("out", {"--key", key, "--stage", "track"})).status, 0);
+        EXPECT_EQ(run(folder, shot("out", {"--key", key, "--stage", "solve"})).status, 0);
+        const Outcome told =
+            run(folder, shot("out", {"--key", key, "--stage", "report", "--report", "k.json"}));
+        EXPECT_EQ(told.status, 1);  // nothing is converted yet
+        return report_in(folder, "k.json").at("frames").at(1008 - kFirst).at("outline");
+    };
+    const auto place = fmt::format("1008:{:.3f},{:.3f},", truth.cx + 2, truth.cy);
+    const Json long_first = solved(place + "34,30,20"), short_first = solved(place + "30,34,110");
+    EXPECT_EQ(long_first, short_first);
+    EXPECT_NEAR(long_first.at("cx"), truth.cx + 2, 0.3);
+    const Outcome lost = run(folder, shot("out", {"--key", "2000:1,2,3", "--stage", "solve"}));
+    EXPECT_TRUE(lost.says("--key 2000: the frame is none of the shot's, 1005-1012")) << lost.err;
+}
+
+TEST(Shot, TakesTheLensFromTheOutlinesWhereNobodyTellsIt) {
+    const TempFolder folder;
+    make(folder, "out");
+    painted::Scene s;
+    s.camera.focal = 520;
+    for (int frame = 1; frame <= 3; ++frame) {
+        s.centre = V3d(2.5 + 0.05 * frame, 1.5, -7);
+        Image image(s.size, 3);
+        const auto light = s.light();
+        std::copy(light.begin(), light.end(), image.row(0));
+        write_exr(folder / fmt::format("plate.{:04}.exr", frame), image);
+    }
+    const Words words = {"shot", "plate.####.exr", "-o", "out/probe.####.exr", "--size",
+                         "16",   "--jobs",         "2"};
+    const Outcome outcome = run(folder, words);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.lines_with("warning"), 1U) << outcome.err;
+    EXPECT_TRUE(outcome.says("plate.####.exr: the focal length is not known")) << outcome.err;
+    // All frames get the same one.
+    std::vector<std::optional<double>> focals;
+    for (int frame = 1; frame <= 3; ++frame) {
+        const Photo map = read_header(folder / fmt::format("out/probe.{:04}.exr", frame));
+        const auto origin = provenance_from(map.metadata);
+        ASSERT_TRUE(origin && origin->camera && origin->camera->focal);
+        focals.push_back(origin->camera->focal);
+    }
+    EXPECT_NEAR(*focals[0], 520, 150);
+    EXPECT_EQ(focals[1], focals[0]);
+    EXPECT_EQ(focals[2], focals[0]);
+    const Outcome far = run(folder, with(words, {"--orthographic"}));
+    EXPECT_EQ(far.lines_with("warning"), 0U) << far.err;
+}
+
+/// Twice as large as the plates: 8 bits of so small a ball tell little.
+painted::Scene clip_scene(int frame) {
+    painted::Scene s = scene(frame + kFirst - 1);  // a clip's frames count from 1
+    s.size = {640, 360};
+    s.camera = {2 * kFocal, V2d(320, 180)};
+    return s;
+}
+
+/// A clip of the plates, made by ffmpeg; false where it cannot.
+bool put_clip(const TempFolder& folder, const std::string& name, const Words& codec) {
+    for (int frame = 1; frame <= kLast - kFirst + 1; ++frame) {
+        const Photo photo = painted::camera_photo(clip_scene(frame));
+        Image image(photo.window.size, 3);
+        for (std::size_t i = 0; i < photo.pixels.size(); ++i)
+            image.row(0)[i] = static_cast<float>(std::to_integer<int>(photo.pixels[i])) / 255;
+        WriteOptions options;
+        options.format = FileFormat::png;
+        write_image(folder / fmt::format("frame.{}.png", frame), image.view(), options);
+    }
+    Words words = {"ffmpeg", "-v", "error", "-y", "-i", "frame.%d.png"};
+    return run_other(folder, with(with(words, codec), {name})).status == 0;
+}
+
+TEST(Shot, TakesTheFramesOfAClip) {
+    const TempFolder folder;
+    if (!put_clip(folder, "clip.avi", {"-c:v", "mjpeg", "-q:v", "1", "-pix_fmt", "yuvj444p"}))
+        GTEST_SKIP() << "no ffmpeg that writes Motion JPEG";
+    const auto words = [](const std::string& out, const char* jobs) {
+        return Words{"shot",     "clip.avi",    "-o",     out + "/p.####.exr", "--size",
+                     "16",       "--jobs",      jobs,     "--focal-px",        "840",
+                     "--report", out + ".json", "--quiet"};
+    };
+    for (const char* out : {"a", "b"}) make(folder, out);
+    const Outcome outcome = run(folder, words("a", "1"));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const Json report = report_in(folder, "a.json");
+    ASSERT_EQ(report.at("frames").size(), plates().size());
+    for (const Json& frame : report.at("frames")) {
+        const Json& o = frame.at("outline");
+        const Outline seen{o.at("cx"), o.at("cy"), o.at("a"), o.at("b"), o.at("angle")};
+        const Outline truth = clip_scene(frame.at("frame")).outline();
+        EXPECT_LT(rim_deviation(seen, truth), 2.5) << frame;
+    }
+    ASSERT_EQ(run(folder, words("b", "2")).status, 0);
+    for (int frame = 1; frame <= 8; ++frame)
+        EXPECT_EQ(read_bytes(folder / fmt::format("a/p.{:04}.exr", frame)),
+                  read_bytes(folder / fmt::format("b/p.{:04}.exr", frame)));
+}
+
+TEST(Shot, SaysWhichFramesOfAClipCannotBeHad) {
+    const TempFolder folder;
+    if (!put_clip(folder, "clip.mp4",
+                  {"-c:v", "libx264", "-bf", "2", "-b_strategy", "0", "-pix_fmt", "yuv444p"}))
+        GTEST_SKIP() << "no ffmpeg that writes H.264";
+    make(folder, "out");
+    const Outcome outcome = run(folder, {"shot", "clip.mp4", "-o", "out/p.####.exr", "--size", "16",
+                                         "--focal-px", "840", "--report", "r.json", "--quiet"});
+    // Which, is the reader's affair; what it gives must be right, and the others be told.
+    const Json report = report_in(folder, "r.json");
+    std::size_t failed = 0;
+    for (const Json& frame : report.at("frames")) {
+        if (frame.at("outcome") == "failed") {
+            ++failed;
+            EXPECT_NE(frame.at("message").get<std::string>().find("stores frames out of order"),
+                      std::string::npos);
+            continue;
+        }
+        const Json& o = frame.at("outline");
+        const Outline seen{o.at("cx"), o.at("cy"), o.at("a"), o.at("b"), o.at("angle")};
+        const Outline truth = clip_scene(frame.at("frame")).outline();
+        EXPECT_LT(rim_deviation(seen, truth), 5) << frame;  // a frame moves it by 10
+    }
+    EXPECT_LE(failed, 3U);
+    EXPECT_EQ(outcome.status, failed == 0 ? 0 : 3);
+    EXPECT_EQ(visible(folder, "out").size(), plates().size() - failed);
 }
 
 TEST(Shot, FindsNoBallInAShotWithoutOne) {
