@@ -37,6 +37,8 @@ void read_rows(const Photo& photo, int first, int last, ImageView<float> out) {
     }
 }
 
+}  // namespace
+
 ExposedPhoto exposed(std::shared_ptr<const Photo> photo, const ExposureTags& tags, bool linear) {
     ExposedPhoto e;
     e.name = photo->name;
@@ -52,6 +54,8 @@ ExposedPhoto exposed(std::shared_ptr<const Photo> photo, const ExposureTags& tag
     };
     return e;
 }
+
+namespace {
 
 /// Grey or coloured stored numbers in the working space.
 Image decoded(const std::vector<std::array<float, 3>>& stored, const std::string& space,
@@ -102,33 +106,6 @@ bool take_apart(Bracket& bracket, bool linear, const ColorConfig& colors) {
     return true;
 }
 
-/// The stored number at which the photos clip, all at the same one: where numbers pile up at their
-/// greatest. Integers clip at 1 at the latest.
-double white_of(const std::vector<ExposedPhoto>& photos, bool integers) {
-    float most = 0;
-    const auto each = [&](const ExposedPhoto& photo, auto f) {
-        Image rows({photo.size.width, 1}, 3);
-        for (int y = 0; y < photo.size.height; ++y) {
-            photo.read(y, y + 1, rows.view());
-            const float* z = rows.row(0);
-            for (int i = 0; i < photo.size.width * 3; ++i)
-                if (std::isfinite(z[i])) f(z[i]);
-        }
-    };
-    for (const ExposedPhoto& photo : photos)
-        each(photo, [&](float z) { most = std::max(most, z); });
-    if (integers && most > 0.97f) return 1;
-    std::size_t at_top = 0, below = 0;
-    for (const ExposedPhoto& photo : photos)
-        each(photo, [&](float z) {
-            at_top += z > 0.995f * most;
-            below += z > 0.97f * most && z <= 0.985f * most;
-        });
-    constexpr std::size_t kFew = 24;  // a spot of light has a brightest pixel without clipping
-    if (at_top > kFew && at_top > 3 * below) return static_cast<double>(most);
-    return integers ? 1 : std::numeric_limits<double>::infinity();
-}
-
 void check_like_first(const Photo& photo, const Photo& first) {
     const Size a = first.display, b = photo.display;
     if (a == b) {
@@ -170,7 +147,7 @@ Bracket read_bracket(const std::vector<std::string>& files, const std::vector<do
     Bracket bracket;
     bool linear = false;
     for (const std::string& file : files) {
-        auto photo = std::make_shared<Photo>(read_photo(file, {max_pixels, std::nullopt}));
+        auto photo = std::make_shared<Photo>(read_photo(file, {.max_pixels = max_pixels}));
         console.watch("").check();
         if (!bracket.photos.empty()) check_like_first(*photo, *bracket.photos.front());
         std::string warning;
@@ -199,7 +176,7 @@ Bracket read_bracket(const std::vector<std::string>& files, const std::vector<do
             fmt::format("{}: {} is no curve and matrix, so exposures in it cannot be merged; "
                         "give --input-space",
                         files.front(), bracket.space));
-    const double white = white_of(bracket.exposed, is_integer(bracket.photos.front()->type));
+    const double white = clip_level(bracket.exposed, is_integer(bracket.photos.front()->type));
     for (ExposedPhoto& photo : bracket.exposed) photo.white = white;
     for (std::size_t k = 0; k < files.size(); ++k) {
         const auto exposure = exposure_of(bracket.tags[k]);

@@ -35,6 +35,9 @@ Bracket read_bracket(const std::vector<std::string>& files, const std::vector<do
                      const std::optional<std::string>& input_space, std::int64_t max_pixels,
                      const ColorConfig& colors, const Console& console);
 
+/// A photo as the layer of light looks at it. `linear`: its stored numbers are light already.
+ExposedPhoto exposed(std::shared_ptr<const Photo> photo, const ExposureTags& tags, bool linear);
+
 /// Whether a photo's tags say how it was exposed, and what is missing: "time", ...
 std::string missing_tags(const Bracket& bracket, std::size_t photo);
 

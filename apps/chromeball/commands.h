@@ -14,5 +14,6 @@ void add_merge(CLI::App& app);
 void add_preview(CLI::App& app);
 void add_bake(CLI::App& app);
 void add_stitch(CLI::App& app);
+void add_calibrate(CLI::App& app);
 
 }  // namespace chromeball

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/parallel.h"
+#include "grey_job.h"
 #include "io/facts.h"
 #include "io/read.h"
 #include "io/threads.h"
@@ -34,6 +35,7 @@ struct ConvertOptions {
     PhotoOptions photo;
     ColorOptions color;
     MapOptions map;
+    GreyOptions grey;
     bool verify = false;
     std::optional<std::string> verify_image;
     bool confidence = false;
@@ -84,7 +86,8 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
 
     // Of a crop everything is needed, and its outline is that of the whole photo.
     BallLight light = ball_light(job, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0,
-                                 o.photo.cropped, o.color, o.map, colors, o.verify);
+                                 o.photo.cropped, o.color, o.map, colors, o.verify,
+                                 grey_ball_step(o.grey, job, ball, colors, console));
     for (const std::string& warning : light.warnings) console.warn(warning);
     console.say(fmt::format("{}: {}x{} pixels, colour space {}", o.input, job.photo.display.width,
                             job.photo.display.height, light.space));
@@ -167,6 +170,11 @@ Converted converted(const ConvertOptions& o, Input& input, const Layout& layout,
 
 /// What was typed wrong about the input, before it is read.
 void check_input(const ConvertOptions& o) {
+    check_grey_options(o.grey);
+    if (o.grey.ball && (o.from != "photo" || o.photo.cropped))
+        throw Error(Error::Kind::usage,
+                    "--grey-ball is a place in the whole photo; it does not go with --from or "
+                    "--cropped");
     if (o.verify_image) {
         if (!format_from_extension(std::filesystem::path(*o.verify_image).extension().string()))
             throw Error(Error::Kind::usage,
@@ -246,6 +254,7 @@ void add_convert(CLI::App& app) {
                    "Guess the outline of who stands before the ball, and fill it and what the ball "
                    "hides from around; alpha is 0 there. With more photos stitch does better")
         ->group("Output");
+    add_grey_options(*command, o->grey);
     const std::string check = "Check";
     command
         ->add_flag(
@@ -271,6 +280,7 @@ void add_convert(CLI::App& app) {
         "  chromeball convert probe.exr --from latlong --layout cross-h -o cross.exr");
     command->callback([o] {
         o->verify = o->verify || o->verify_image;
+        o->photo.all_rows = o->grey.ball.has_value();
         run_convert(*o);
     });
 }

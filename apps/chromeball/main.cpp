@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
     add_preview(app);
     add_bake(app);
     add_stitch(app);
+    add_calibrate(app);
     add_info(app);
     app.footer(
         "Each command has --help. Exit status: 0 done, 1 failed, 2 wrong words, 3 some of many "

@@ -11,25 +11,12 @@
 #include "io/read.h"
 #include "numbers.h"
 #include "options.h"
+#include "reflectance_option.h"
 #include "resample/simd.h"
 #include "version.h"
 
 namespace chromeball {
 namespace {
-
-void undo_reflectance(Image& pixels, const std::string& text) {
-    auto r = parse_numbers("--reflectance", text, {1, 3}, "R or R,G,B, each above 0 and at most 1");
-    if (r.size() == 1) r = {r[0], r[0], r[0]};
-    for (const double part : r)
-        if (!(part > 0 && part <= 1))
-            throw Error(
-                Error::Kind::usage,
-                fmt::format("--reflectance {}: a mirror gives back a part above 0 and at most 1",
-                            text));
-    for (int y = 0; y < pixels.height(); ++y)
-        for (int x = 0; x < pixels.width(); ++x)
-            for (std::size_t c = 0; c < 3; ++c) pixels.pixel(x, y)[c] /= static_cast<float>(r[c]);
-}
 
 /// A map and its channels from elsewhere: alpha for one of three channels, confidence.
 Image joined(const Image& map, const Image* alpha, const Image* confidence) {
@@ -135,9 +122,11 @@ void add_map_options(CLI::App& command, MapOptions& o) {
         ->type_name("NAME")
         ->group("Colour");
     command
-        .add_option("--reflectance", o.reflectance,
-                    "What the mirror gives back, 0 to 1; divided out")
-        ->type_name("R|R,G,B")
+        .add_option(
+            "--reflectance", o.reflectance,
+            "What the mirror gives back, 0 to 1; divided out. A number, one a channel, what "
+            "\"calibrate\" wrote, or by angle: chromium, nickel, steel, aluminium, silver")
+        ->type_name("R|R,G,B|FILE.json|NAME")
         ->group("Colour");
     const std::string axes =
         "Orientation (default: the camera's frame, +Z towards the camera, +Y up)";
@@ -166,9 +155,7 @@ void add_map_options(CLI::App& command, MapOptions& o) {
 void check_map_options(const MapOptions& o, const OutputPlan& plan, const ColorConfig& colors) {
     check_display(o, plan, colors);
     told_rotation(o);
-    if (!o.reflectance) return;
-    Image nothing({1, 1}, 3);
-    undo_reflectance(nothing, *o.reflectance);
+    if (o.reflectance) parse_reflectance(*o.reflectance);
 }
 
 void check_confidence(bool wanted, const OutputPlan& plan) {
@@ -201,26 +188,34 @@ std::optional<Rotation> told_rotation(const MapOptions& o) {
 
 BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
                      const ColorOptions& color, const MapOptions& options,
-                     const ColorConfig& colors, bool keep_pixels) {
+                     const ColorConfig& colors, bool keep_pixels, const BallStep& step) {
     BallLight light;
     std::string tag_warning;
     light.space = colors.input_space(job.photo, color.input_space, &tag_warning);
     if (!tag_warning.empty()) light.warnings.push_back(tag_warning);
     const Window& region = light.region =
         whole ? job.photo.window : needed_window(ball.outline(), job.photo.window);
+    std::optional<Reflectance> reflectance;
+    if (options.reflectance) reflectance = parse_reflectance(*options.reflectance);
+    Affine to_pixels = job.ball.to_pixels;
+    to_pixels.x0 -= region.x;
+    to_pixels.y0 -= region.y;
     std::atomic<std::size_t> all_bad = 0;
     const auto working = [&](const Photo& photo, const Window& part) {
         std::size_t bad = 0;
         Image pixels = colors.to_working(photo, light.space, part, &bad);
-        if (options.reflectance) undo_reflectance(pixels, *options.reflectance);
+        if (reflectance) {
+            Affine to_part = to_pixels;
+            to_part.x0 -= part.x - region.x;
+            to_part.y0 -= part.y - region.y;
+            undo_reflectance(pixels, ball, to_part, *reflectance);
+        }
         all_bad += bad;
         return pixels;
     };
-    Affine to_pixels = job.ball.to_pixels;
-    to_pixels.x0 -= region.x;
-    to_pixels.y0 -= region.y;
-    if (keep_pixels) {
+    if (keep_pixels || step) {
         light.pixels = working(job.photo, region);
+        if (step) step(light, to_pixels);
         light.source = ball_source(light.pixels, ball, to_pixels, lens_blur);
     } else {
         BallSourceMaker maker(region.size, ball, to_pixels, lens_blur);

@@ -2,6 +2,7 @@
 
 #include <CLI/App.hpp>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -51,11 +52,15 @@ struct BallLight {
     std::string space;
     std::vector<std::string> warnings;
 };
+/// Something done to the ball's pixels before they become a source; `to_pixels` leads from the
+/// ball's positions to them.
+using BallStep = std::function<void(BallLight& light, const Affine& to_pixels)>;
 /// lens_blur: standard deviation, pixels. Of a crop (`whole`) all is taken. Pixels that are still
-/// in the file are read now.
+/// in the file are read now; with a step they must have been.
 BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
                      const ColorOptions& color, const MapOptions& options,
-                     const ColorConfig& colors, bool keep_pixels = false);
+                     const ColorConfig& colors, bool keep_pixels = false,
+                     const BallStep& step = nullptr);
 
 /// How the map is resampled: rotation into the output's frame, filter.
 ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,

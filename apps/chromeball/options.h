@@ -42,6 +42,7 @@ struct PhotoOptions {
     std::string camera_axes = "opengl";
 
     std::int64_t max_pixels = 400'000'000;
+    bool all_rows = false;  ///< read the whole photo, also where the ball is told
 };
 
 void add_common_options(CLI::App& command, CommonOptions& options);

@@ -181,7 +181,7 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
     PhotoJob job;
     ReadOptions read{.max_pixels = options.max_pixels};
     const bool told = options.ball || options.ellipse;
-    if (told) {
+    if (told && !options.all_rows) {
         job.photo = read_header(path, read);
         const FoundBall ball = told_ball(job.photo, options);
         const Window rows = needed_window(ball.outline, job.photo.window);
@@ -189,7 +189,7 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
         job.photo.window.y = rows.y;
         job.photo.window.size.height = rows.size.height;
     }
-    if (told && put_off)
+    if (told && put_off && !options.all_rows)
         job.unread = read;
     else
         job.photo = read_photo(path, read);

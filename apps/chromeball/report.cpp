@@ -110,6 +110,43 @@ std::string to_json(const MergeReport& r) {
     return text_of(j, 2) + '\n';
 }
 
+std::string to_json(const CalibrateReport& r) {
+    Json j{{"reflectance",
+            {rounded(r.reflectance.factor[0], 1e5), rounded(r.reflectance.factor[1], 1e5),
+             rounded(r.reflectance.factor[2], 1e5)}}};
+    if (const auto& constants = r.reflectance.constants) {
+        j["material"] = r.material;
+        j["n"] = constants->n;
+        j["k"] = constants->k;
+    }
+    j["measured"] = {{"ball", r.ball},
+                     {"grey", r.grey},
+                     {"residual", rounded(r.residual, 1e4)},
+                     {"pixels", r.pixels}};
+    return text_of(j, 2) + '\n';
+}
+
+std::optional<Reflectance> reflectance_from_json(const std::string& text) {
+    const Json j = Json::parse(text, nullptr, false);
+    if (!j.is_object()) return std::nullopt;
+    try {
+        Reflectance r;
+        r.factor = j.at("reflectance").get<std::array<double, 3>>();
+        if (j.contains("n"))
+            r.constants = {j.at("n").get<std::array<double, 3>>(),
+                           j.value("k", std::array<double, 3>{})};
+        for (std::size_t c = 0; c < 3; ++c) {
+            // A factor above 1 is a measurement's error; a tenth more is none any longer.
+            const bool good = r.factor[c] > 0 && r.factor[c] <= 1.1 &&
+                              (!r.constants || (r.constants->n[c] > 0 && r.constants->k[c] >= 0));
+            if (!good || !(r.at(1)[c] > 0)) return std::nullopt;
+        }
+        return r;
+    } catch (const std::exception&) {
+        return std::nullopt;
+    }
+}
+
 std::string to_json(const InfoReport& r) {
     Json j{{"file", r.file},         {"width", r.size.width}, {"height", r.size.height},
            {"channels", r.channels}, {"type", r.type},        {"color_space", r.color_space}};

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "light/reflectance.h"
 #include "photo_job.h"
 
 namespace chromeball {
@@ -47,6 +48,20 @@ struct MergeReport {
 };
 
 std::string to_json(const MergeReport& report);
+
+/// What `calibrate` found.
+struct CalibrateReport {
+    Reflectance reflectance;
+    std::string material;  ///< whose constants; empty: the same at all angles
+    std::string ball, grey;
+    double residual = 0;
+    std::size_t pixels = 0;
+};
+
+/// The file that --reflectance reads again.
+std::string to_json(const CalibrateReport& report);
+/// Nothing where the text is no such file, or its numbers make no reflectance.
+std::optional<Reflectance> reflectance_from_json(const std::string& text);
 
 /// What `info` tells, in its order.
 struct InfoReport {

@@ -10,6 +10,7 @@
 #include "io/lines.h"
 #include "io/write.h"
 #include "numbers.h"
+#include "reflectance_option.h"
 #include "shot.h"
 #include "shot/stage_files.h"
 #include "version.h"
@@ -174,7 +175,8 @@ std::string map_words(const ShotOptions& o, const OutputPlan& plan) {
         plan.layout->name, plan.preset ? plan.preset->name : "-", extension_of(plan.format),
         m.output.full_float, m.output.bits.value_or(16), told(o.color.input_space), ocio_text(o),
         told(m.output_space), told(m.display), told(m.view), told(m.camera_to_world), m.yaw,
-        m.pitch, m.roll, o.photo.camera_axes, told(m.reflectance), m.filter, told(m.simd),
+        m.pitch, m.roll, o.photo.camera_axes,
+        m.reflectance ? reflectance_words(*m.reflectance) : "", m.filter, told(m.simd),
         o.smooth_frames, told(m.size));
 }
 

@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "core/image.h"
@@ -45,6 +46,10 @@ struct ExposedPhoto {
     double iso = 100;    ///< how noisy it is
     bool mixed = false;  ///< its channels are sums of the sensor's: where one clips none is right
 };
+
+/// The stored number at which photos of one camera clip, all at the same one: where numbers pile up
+/// at their greatest. Integers clip at 1 at the latest; floats perhaps nowhere (infinity).
+double clip_level(std::span<const ExposedPhoto> photos, bool integers);
 
 /// Standard deviation of a photo's light (1 at white), squared, by the usual model: shot noise that
 /// grows with the light, and noise of reading. The numbers are those of a sensor that holds
