@@ -43,10 +43,6 @@ void check_words(const CalibrateOptions& o) {
         refuse(
             "calibrate: give --card X,Y,W,H or --grey-ball X,Y,R, whichever is in the grey photo");
     check_grey_options(o.grey_options);
-    if (o.grey_options.reflectance == "solve")
-        refuse(
-            "--grey-reflectance solve: calibrate measures the mirror by the grey; tell what the "
-            "grey gives back, as 0.18");
     if (o.material && !find_ball_material(*o.material)) parse_reflectance(*o.material);
     check_not_input(o.output, o.ball);
     check_not_input(o.output, o.grey);

@@ -25,10 +25,7 @@ Outline circle_of(const std::string& text) {
 
 GreyBallOptions grey_ball_options(const GreyOptions& o) {
     GreyBallOptions options;
-    if (o.reflectance == "solve")
-        options.solve_reflectance = true;
-    else
-        options.reflectance = parse_albedo("--grey-reflectance", o.reflectance);
+    options.reflectance = parse_albedo("--grey-reflectance", o.reflectance);
     return options;
 }
 
@@ -76,9 +73,8 @@ void add_grey_options(CLI::App& command, GreyOptions& o) {
         ->type_name("X,Y,R")
         ->group(grey);
     command
-        .add_option("--grey-reflectance", o.reflectance,
-                    "What the grey ball gives back, 0 to 1; solve: found from its shaded side")
-        ->type_name("R|R,G,B|solve")
+        .add_option("--grey-reflectance", o.reflectance, "What the grey ball gives back, 0 to 1")
+        ->type_name("R|R,G,B")
         ->capture_default_str()
         ->group(grey);
     command

@@ -55,9 +55,17 @@ public:
         const std::vector<Ray> known = take();
         std::vector<Ray> all = known;
         if (known.empty()) return all;
+        // Pixels are no finer than cells, so that even where all is seen some cells hold too little
+        // and others too much; together they tell what is not seen.
+        double seen = 0, lacking = 0;
+        for (const Ray& ray : rays_) {
+            seen += ray.steradians;
+            lacking += std::max(0.0, kCell - ray.steradians);
+        }
+        const double part = lacking > 0 ? std::clamp((4 * pi - seen) / lacking, 0.0, 1.0) : 0;
         for (std::size_t i = 0; i < rays_.size(); ++i) {
-            const double missing = kCell - rays_[i].steradians;
-            if (missing < 0.25 * kCell) continue;  // cells at the poles and rounding
+            const double missing = part * (kCell - rays_[i].steradians);
+            if (missing < 0.01 * kCell) continue;
             Ray filled{middle(i), {}, missing};
             double total = 0;
             for (const Ray& ray : known) {
@@ -99,28 +107,10 @@ void for_ball(const BallPicture& picture, F f) {
         }
 }
 
-/// Directions in which a neighbour stands.
-struct Neighbour {
-    V3d direction{0, 0, 0};
-    double cosine = 2;  ///< of its half-angle
-    bool hides(V3d d) const { return d.dot(direction) > cosine; }
-};
-
-/// The grey ball as the mirror ball sees it, both as far from the camera as the other. It does not
-/// see itself there, but what is behind it.
-Neighbour neighbour_of(const BallPicture& mirror, const BallPicture& grey) {
-    const Outline &here = mirror.ball.outline(), &there = grey.ball.outline();
-    const V3d between(there.cx - here.cx, here.cy - there.cy, 0);
-    constexpr double kMargin = 1.15;
-    const double sine = kMargin * std::sqrt(there.a * there.b) / between.length();
-    if (!(sine < 0.9)) return {};
-    return {between.normalized(), std::sqrt(1 - sine * sine)};
-}
-
-std::vector<Ray> rays_of(const BallPicture& mirror, const Neighbour& neighbour = {}) {
+std::vector<Ray> rays_of(const BallPicture& mirror) {
     Rays rays;
     for_ball(mirror, [&](int x, int y, V3d d, double steradians) {
-        if (!neighbour.hides(d)) rays.add(d, mirror.pixels->pixel(x, y), steradians);
+        rays.add(d, mirror.pixels->pixel(x, y), steradians);
     });
     return rays.take_filled();
 }
@@ -240,7 +230,7 @@ std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& u
     });
     std::vector<Facet> facets;
     for (Facet cell : cells) {
-        if (cell.pixels < std::max(1, side * side / 2)) continue;
+        if (cell.pixels < std::max(1, side * side / 8)) continue;
         cell.normal.normalize();
         for (double& v : cell.shown) v /= cell.pixels;
         facets.push_back(cell);
@@ -335,7 +325,7 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
     fit.reflectance = options.reflectance;
     if (facets.size() < 8) return fit;  // nothing to hold it against
 
-    const std::vector<Ray> rays = rays_of(mirror, neighbour_of(mirror, grey));
+    const std::vector<Ray> rays = rays_of(mirror);
     std::vector<Rgb> lit;
     for (const Facet& facet : facets) lit.push_back(irradiance_of(rays, facet.normal));
     // Irradiance of a facet by a region of radiance 1: its pixels, not its middle alone.
