@@ -105,11 +105,19 @@ V3d point_of(const BakeCommand& o, Scene& scene, BakeOptions& how, const Console
     return image;
 }
 
+/// Six views are six files, unless a file's name or the words ask for one picture.
+OutputPlan planned(OutputOptions output) {
+    if (!output.layout && !output.preset &&
+        std::filesystem::path(output.output).extension().empty())
+        output.layout = "faces";
+    return plan_output(output);
+}
+
 void run_bake(const BakeCommand& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);
     set_coding_threads(o.common.threads);
-    const OutputPlan plan = plan_output(o.map.output);
+    const OutputPlan plan = planned(o.map.output);
     const ColorConfig colors = ColorConfig::load(o.light.color.ocio);
     check_map_options(o.map, plan, colors);
     use_instructions(o.map);
@@ -148,7 +156,7 @@ void add_bake(CLI::App& app) {
     auto o = std::make_shared<BakeCommand>();
     auto* command = app.add_subcommand("bake", "Views of a 3-D scene from a point, as a map");
     command->add_option("scene", o->scene, "Scene file (.gltf, .glb, .obj, ...)")->required();
-    command->add_option("-o,--output", o->map.output.output, "File, or folder for faces")
+    command->add_option("-o,--output", o->map.output.output, "Folder for the six views, or a file")
         ->required();
     const std::string what = "Scene";
     command
@@ -187,7 +195,7 @@ void add_bake(CLI::App& app) {
     command->footer(
         "Examples:\n"
         "  chromeball bake room.gltf --at probe --hide ball --for alias -o faces\n"
-        "  chromeball bake room.gltf --at 0,1.6,3 --mirror-plane floor --size 1024 --layout faces "
+        "  chromeball bake room.gltf --at 0,1.6,3 --mirror-plane floor --size 1024 "
         "-o floor");
     command->callback([o] { run_bake(*o); });
 }

@@ -58,7 +58,7 @@ protected:
 };
 
 TEST_F(Bake, WritesSixViewsFromAPointByThePresetsNames) {
-    ASSERT_EQ(bake({"--at=0,1,0", "--hide=floor", "--layout=faces", "-o", "faces"}).status, 0);
+    ASSERT_EQ(bake({"--at=0,1,0", "--hide=floor", "-o", "faces"}).status, 0);
     const char* names[] = {"px", "nx", "py", "ny", "pz", "nz"};
     for (int i = 0; i < 6; ++i) {
         const Image face = read_floats(folder_ / fmt::format("faces/{}.exr", names[i]));
