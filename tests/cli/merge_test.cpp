@@ -20,6 +20,7 @@ using namespace test;
 using nlohmann::json;
 
 const std::string kPhotos = std::string(CHROMEBALL_DATA) + "/photos/";
+const std::string kBracket = std::string(CHROMEBALL_DATA) + "/bracket/";
 
 /// 8-bit sRGB JPEG of a linear image times a factor, with exposure tags; time 0: none.
 void write_take(const std::string& path, const Image& light, double factor, double time,
@@ -235,13 +236,9 @@ TEST_F(Merge, LaysABumpedBracketOnItself) {
 
 TEST_F(Merge, TheBracketWhoseBallIsLostInOneExposureIsMerged) {
     // The one in the repository: the ball of the longest exposure is all but clipped.
-    const Words words{"merge",
-                      kPhotos + "bracket1.jpg",
-                      kPhotos + "bracket2.jpg",
-                      kPhotos + "bracket3.jpg",
-                      "-o",
-                      "out.exr",
-                      "--json"};
+    const Words words{
+        "merge", kBracket + "1.jpg", kBracket + "2.jpg", kBracket + "3.jpg", "-o", "out.exr",
+        "--json"};
     const Outcome outcome = run(folder, words);
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const json photos = json::parse(outcome.out).at("photos");
