@@ -43,10 +43,8 @@ struct BakeCommand {
 
 void hide(Scene& scene, const std::string& name) {
     if (scene.hide(name) > 0) return;
-    const auto near = nearest_names(name, scene.names());
-    refuse(fmt::format("--hide {}: the scene has no object of that name; {} {}", name,
-                       near.empty() ? "it has" : "did you mean",
-                       near.empty() ? quoted_list(scene.names()) : quoted_list(near) + "?"));
+    refuse(fmt::format("--hide {}: the scene has no object of that name; {}", name,
+                       did_you_mean(name, scene.names(), "it has")));
 }
 
 /// The plane that --mirror-plane tells: point and normal, three points, or a flat object, which is

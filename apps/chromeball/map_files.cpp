@@ -19,11 +19,7 @@ namespace fs = std::filesystem;
 
 std::string unknown(std::string_view what, const std::string& name,
                     const std::vector<std::string>& names) {
-    const auto near = nearest_names(name, names);
-    if (!near.empty())
-        return fmt::format("{} \"{}\" is not known; did you mean {}?", what, name,
-                           quoted_list(near));
-    return fmt::format("{} \"{}\" is not known; choose {}", what, name, quoted_list(names));
+    return fmt::format("{} \"{}\" is not known; {}", what, name, did_you_mean(name, names));
 }
 
 const Layout& chosen_layout(const OutputOptions& o, const Preset* preset) {

@@ -107,10 +107,7 @@ MapInput read_map(const std::string& path, const Layout& layout, std::int64_t ma
 std::string unknown_shape(const std::string& name) {
     auto names = layout_names();
     names.insert(names.begin(), "photo");
-    const auto near = nearest_names(name, names);
-    return fmt::format("--from {}: no such shape; {} {}", name,
-                       near.empty() ? "choose" : "did you mean",
-                       near.empty() ? quoted_list(names) : quoted_list(near) + "?");
+    return fmt::format("--from {}: no such shape; {}", name, did_you_mean(name, names));
 }
 
 }  // namespace chromeball

@@ -30,12 +30,9 @@ V3f color_from(const std::string& text) {
 
 Material material_of(const SceneOptions& o) {
     auto material = find_material(o.material);
-    if (!material) {
-        const auto near = nearest_names(o.material, material_names());
-        refuse(fmt::format("--material {}: not known; {} {}", o.material,
-                           near.empty() ? "choose" : "did you mean",
-                           near.empty() ? quoted_list(material_names()) : quoted_list(near) + "?"));
-    }
+    if (!material)
+        refuse(fmt::format("--material {}: not known; {}", o.material,
+                           did_you_mean(o.material, material_names())));
     using Kind = Material::Kind;
     const bool metal = material->kind == Kind::mirror || material->kind == Kind::conductor;
     if (o.roughness && !metal)
@@ -69,12 +66,9 @@ Scene lookdev() {
 Mesh mesh_from(const std::string& name, const Console& console) {
     if (auto known = shape(name)) return std::move(*known);
     // A word without dot or slash is no file that was forgotten, but a name mistyped.
-    if (!std::filesystem::exists(name) && name.find_first_of("./") == std::string::npos) {
-        const auto near = nearest_names(name, shape_names());
-        refuse(fmt::format("--mesh {}: no such mesh or file; {} {}", name,
-                           near.empty() ? "choose a file or" : "did you mean",
-                           near.empty() ? quoted_list(shape_names()) : quoted_list(near) + "?"));
-    }
+    if (!std::filesystem::exists(name) && name.find_first_of("./") == std::string::npos)
+        refuse(fmt::format("--mesh {}: no such mesh or file; {}", name,
+                           did_you_mean(name, shape_names(), "choose a file or")));
     std::vector<std::string> notes;
     Mesh mesh = load_mesh(name, notes);
     for (const std::string& note : notes) console.warn(note);
@@ -156,10 +150,8 @@ V3d point_in(const Scene& scene, const std::string& option, const std::string& t
         auto names = scene.names();
         for (const Place& place : scene.places) names.push_back(place.name);
         for (const SceneCamera& camera : scene.cameras) names.push_back(camera.name);
-        const auto near = nearest_names(text, names);
-        refuse(fmt::format("{} {}: the scene has nothing of that name; {} {}", option, text,
-                           near.empty() ? "give X,Y,Z or" : "did you mean",
-                           near.empty() ? quoted_list(names) : quoted_list(near) + "?"));
+        refuse(fmt::format("{} {}: the scene has nothing of that name; {}", option, text,
+                           did_you_mean(text, names, "give X,Y,Z or")));
     }
     const auto n = parse_numbers(option, text, {3}, "X,Y,Z or a name");
     return {n[0], n[1], n[2]};

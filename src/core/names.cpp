@@ -59,6 +59,13 @@ std::string quoted_list(const std::vector<std::string>& names) {
     return list;
 }
 
+std::string did_you_mean(std::string_view wanted, const std::vector<std::string>& names,
+                         std::string_view otherwise) {
+    const auto near = nearest_names(wanted, names);
+    if (near.empty()) return std::string(otherwise) + " " + quoted_list(names);
+    return "did you mean " + quoted_list(near) + "?";
+}
+
 std::string excerpt(std::string_view text) {
     constexpr std::size_t kMost = 60;
     std::string shown(text.substr(0, kMost));
