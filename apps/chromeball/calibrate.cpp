@@ -140,10 +140,7 @@ void run_calibrate(const CalibrateOptions& o) {
     if (o.color.input_space) colors.space(*o.color.input_space);
 
     PhotoJob job = open_photo(o.ball, o.photo, console.watch("searching"));
-    if (!job.ball.found) throw no_ball(job, o.photo.threshold);
-    const MirrorBall ball = projection_of(job);
-    for (const std::string& warning : job.warnings) console.warn(warning);
-    console.say(description(job, ball));
+    const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
     Reflectance reflectance;
     if (o.material) reflectance = parse_reflectance(*o.material);
     const auto photo = std::make_shared<const Photo>(job.photo);

@@ -79,22 +79,16 @@ Rotation world_rotation(const ConvertOptions& o, const Photo* photo, const Conso
 Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
     PhotoJob job =
         open_photo(o.input, o.photo, console.watch("searching"), !o.verify && !o.looks_closer());
-    if (!job.ball.found) throw no_ball(job, o.photo.threshold);
-    const MirrorBall ball = projection_of(job);
-    for (const std::string& warning : job.warnings) console.warn(warning);
-    console.say(description(job, ball));
+    const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
 
     // Of a crop everything is needed, and its outline is that of the whole photo.
-    BallLight light = ball_light(job, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0,
-                                 o.photo.cropped, o.color, o.map, colors, o.verify,
-                                 grey_ball_step(o.grey, job, ball, colors, console));
+    BallLight light = ball_light(job, ball, lens_blur(job), o.photo.cropped, o.color, o.map, colors,
+                                 o.verify, grey_ball_step(o.grey, job, ball, colors, console));
     for (const std::string& warning : light.warnings) console.warn(warning);
     console.say(fmt::format("{}: {}x{} pixels, colour space {}", o.input, job.photo.display.width,
                             job.photo.display.height, light.space));
     Input input;
-    if (o.looks_closer())
-        input.trust =
-            trust_source(job, light, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0);
+    if (o.looks_closer()) input.trust = trust_source(job, light, ball, lens_blur(job));
     input.camera = -ball.axis();
     input.source = std::move(light.source);
     input.to_world = world_rotation(o, &job.photo, console);

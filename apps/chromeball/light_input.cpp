@@ -28,13 +28,9 @@ const Layout* layout_of(const LightOptions& o) {
 Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfig& colors,
                   const Console& console) {
     PhotoJob job = open_photo(o.input, o.photo, console.watch("searching"));
-    if (!job.ball.found) throw no_ball(job, o.photo.threshold);
-    const MirrorBall ball = projection_of(job);
-    for (const std::string& warning : job.warnings) console.warn(warning);
-    console.say(description(job, ball));
+    const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
     const BallLight in_ball =
-        ball_light(job, ball, job.ball.candidate ? lens_blur(*job.ball.candidate) : 0,
-                   o.photo.cropped, o.color, map, colors);
+        ball_light(job, ball, lens_blur(job), o.photo.cropped, o.color, map, colors);
     for (const std::string& warning : in_ball.warnings) console.warn(warning);
     Light light;
     light.space = in_ball.space;

@@ -244,6 +244,10 @@ double lens_blur(const Candidate& candidate) {
     return std::sqrt(std::max(0.0, candidate.rim_blur * candidate.rim_blur - kPixel * kPixel));
 }
 
+double lens_blur(const PhotoJob& job) {
+    return job.ball.candidate ? lens_blur(*job.ball.candidate) : 0;
+}
+
 MirrorBall projection_of(PhotoJob& job) {
     const Outline& outline = job.ball.outline;
     if (job.camera.distance) {
@@ -294,6 +298,14 @@ std::string description(const PhotoJob& job, const MirrorBall& ball) {
            fmt::format("; --focal-px {:.2f} ({}), {:.2f} radii away, hidden cone {:.2f} degrees",
                        *job.camera.camera.focal, job.camera.source, ball.distance(),
                        ball.hidden_half_angle() * 180 / pi);
+}
+
+MirrorBall seen_ball(PhotoJob& job, double threshold, const Console& console) {
+    if (!job.ball.found) throw no_ball(job, threshold);
+    const MirrorBall ball = projection_of(job);
+    for (const std::string& warning : job.warnings) console.warn(warning);
+    console.say(description(job, ball));
+    return ball;
 }
 
 }  // namespace chromeball

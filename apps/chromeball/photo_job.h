@@ -71,6 +71,8 @@ Image drawn_image(const Photo& picture);
 
 /// How much the lens blurs the rim, pixels, beyond what pixels themselves do.
 double lens_blur(const Candidate& candidate);
+/// The same of the ball that was found; 0 of one that was told.
+double lens_blur(const PhotoJob& job);
 
 /// The ball as a projection of the photo's pixels. Sets the focal length in job.camera when it
 /// follows from --distance-radii; adds warnings when the outline and the camera do not fit.
@@ -78,5 +80,8 @@ MirrorBall projection_of(PhotoJob& job);
 
 /// One line on the ball and camera, with the words to ask for the same again.
 std::string description(const PhotoJob& job, const MirrorBall& ball);
+
+/// projection_of(), told to the user with all warnings. Throws no_ball() where none was found.
+MirrorBall seen_ball(PhotoJob& job, double threshold, const Console& console);
 
 }  // namespace chromeball

@@ -16,10 +16,7 @@ namespace {
 void find_ball(const std::string& path, const LightOptions& o, const MapOptions& map,
                const Console& console, Plate& plate) {
     PhotoJob job = open_photo(path, o.photo, console.watch("searching"));
-    if (!job.ball.found) throw no_ball(job, o.photo.threshold);
-    const MirrorBall ball = projection_of(job);
-    for (const std::string& warning : job.warnings) console.warn(warning);
-    console.say(description(job, ball));
+    const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
     plate.view = {job.photo.display, job.camera.camera, ball};
     plate.to_world = photo_rotation(o, map, job.photo, console);
 }

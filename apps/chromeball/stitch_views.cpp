@@ -189,11 +189,8 @@ ViewInput read_view(const std::string& file, std::size_t index, const ViewOption
     options.ball = told(o.balls, index);
     options.ellipse = told(o.ellipses, index);
     PhotoJob job = open_photo(file, options, console.watch("searching"));
-    if (!job.ball.found) throw no_ball(job, options.threshold);
-    const MirrorBall ball = projection_of(job);
-    for (const std::string& warning : job.warnings) console.warn(warning);
-    console.say(description(job, ball));
-    const double blur = job.ball.candidate ? lens_blur(*job.ball.candidate) : 0;
+    const MirrorBall ball = seen_ball(job, options.threshold, console);
+    const double blur = lens_blur(job);
     BallLight light = ball_light(job, ball, blur, options.cropped, color, map, colors, true);
     for (const std::string& warning : light.warnings) console.warn(warning);
     console.say(fmt::format("{}: {}x{} pixels, colour space {}", file, job.photo.display.width,
