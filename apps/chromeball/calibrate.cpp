@@ -146,24 +146,21 @@ void run_calibrate(const CalibrateOptions& o) {
     const auto photo = std::make_shared<const Photo>(job.photo);
     const double level = clipped_from(photo, o.grey_options.clip);
     Image pixels;
-    Affine to_pixels;
     std::size_t clipped = 0;
     const BallLight light =
-        ball_light(job, ball, 0, false, o.color, MapOptions{}, colors, true,
-                   [&](BallLight& made, const Affine& affine) {
-                       pixels = made.pixels;
-                       to_pixels = affine;
-                       if (o.material) undo_reflectance(pixels, ball, affine, reflectance);
-                       const auto flags = clipped_pixels(job.photo, made.region, level);
-                       for (int y = 0; y < pixels.height(); ++y)
-                           for (int x = 0; x < pixels.width(); ++x) {
-                               const V2d at = affine.inverse()(Vec2<double>(x + 0.5, y + 0.5));
-                               clipped += flags[static_cast<std::size_t>(y) *
-                                                    static_cast<std::size_t>(pixels.width()) +
-                                                static_cast<std::size_t>(x)] &&
-                                          ball.to_direction(at);
-                           }
-                   });
+        ball_light(job, ball, 0, false, o.color, MapOptions{}, colors, true, [&](BallLight& made) {
+            pixels = made.pixels;
+            if (o.material) undo_reflectance(pixels, ball, made.to_pixels, reflectance);
+            const auto flags = clipped_pixels(job.photo, made.region, level);
+            for (int y = 0; y < pixels.height(); ++y)
+                for (int x = 0; x < pixels.width(); ++x) {
+                    const V2d at = made.to_pixels.inverse()(Vec2<double>(x + 0.5, y + 0.5));
+                    clipped += flags[static_cast<std::size_t>(y) *
+                                         static_cast<std::size_t>(pixels.width()) +
+                                     static_cast<std::size_t>(x)] &&
+                               ball.to_direction(at);
+                }
+        });
     if (clipped > 0)
         console.warn(
             fmt::format("{}: {} pixels of the ball are clipped; the light that they lack "
@@ -175,7 +172,7 @@ void run_calibrate(const CalibrateOptions& o) {
     const std::string space = colors.input_space(grey, o.color.input_space);
     const double grey_level =
         clipped_from(std::make_shared<const Photo>(grey), o.grey_options.clip);
-    const BallPicture mirror{&pixels, ball, to_pixels};
+    const BallPicture mirror{&pixels, ball, light.to_pixels};
     const Share share =
         o.card ? share_of_card(o, mirror, grey, space, grey_level, colors)
                : share_of_ball(o, mirror, grey, job.camera.camera, space, grey_level, colors);

@@ -86,4 +86,18 @@ std::optional<Rotation> rotation_from_metadata(const Photo& photo, const std::st
     return Rotation::camera_to_world(matrix->numbers, camera_axes);
 }
 
+std::optional<Rotation> told_by_file(const Photo& photo, const std::string& camera_axes,
+                                     const Console& console) {
+    if (!photo.metadata.find("worldToCamera")) return std::nullopt;
+    const auto rotation = rotation_from_metadata(photo, camera_axes);
+    if (rotation)
+        console.say(
+            fmt::format("{}: turned into the world by the file's worldToCamera", photo.name));
+    else
+        console.warn(fmt::format(
+            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
+            photo.name));
+    return rotation;
+}
+
 }  // namespace chromeball

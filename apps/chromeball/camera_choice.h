@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "console.h"
 #include "core/photo.h"
 #include "map/camera.h"
 #include "map/orientation.h"
@@ -27,5 +28,8 @@ CameraChoice choose_camera(const PhotoOptions& options, const Photo& photo);
 /// Camera to world from EXR metadata (worldToCamera); nothing where there is none or it is no
 /// rotation.
 std::optional<Rotation> rotation_from_metadata(const Photo& photo, const std::string& camera_axes);
+/// The same, told to the user: that it is taken, or why it is not.
+std::optional<Rotation> told_by_file(const Photo& photo, const std::string& camera_axes,
+                                     const Console& console);
 
 }  // namespace chromeball

@@ -62,20 +62,6 @@ struct Input {
     std::optional<Evidence> evidence;  ///< with --verify
 };
 
-Rotation world_rotation(const ConvertOptions& o, const Photo* photo, const Console& console) {
-    if (const auto told = told_rotation(o.map)) return *told;
-    if (!photo || !photo->metadata.find("worldToCamera")) return {};
-    const auto rotation = rotation_from_metadata(*photo, o.photo.camera_axes);
-    if (!rotation) {
-        console.warn(fmt::format(
-            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
-            photo->name));
-        return {};
-    }
-    console.say(fmt::format("{}: turned into the world by the file's worldToCamera", photo->name));
-    return *rotation;
-}
-
 Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
     PhotoJob job =
         open_photo(o.input, o.photo, console.watch("searching"), !o.verify && !o.looks_closer());
@@ -84,14 +70,12 @@ Input photo_input(const ConvertOptions& o, const ColorConfig& colors, const Cons
     // Of a crop everything is needed, and its outline is that of the whole photo.
     BallLight light = ball_light(job, ball, lens_blur(job), o.photo.cropped, o.color, o.map, colors,
                                  o.verify, grey_ball_step(o.grey, job, ball, colors, console));
-    for (const std::string& warning : light.warnings) console.warn(warning);
-    console.say(fmt::format("{}: {}x{} pixels, colour space {}", o.input, job.photo.display.width,
-                            job.photo.display.height, light.space));
+    tell(light, job.photo, console);
     Input input;
     if (o.looks_closer()) input.trust = trust_source(job, light, ball, lens_blur(job));
     input.camera = -ball.axis();
     input.source = std::move(light.source);
-    input.to_world = world_rotation(o, &job.photo, console);
+    input.to_world = photo_rotation(o.map, job.photo, o.photo.camera_axes, console);
     input.provenance.outline = ball.outline();
     input.provenance.camera = job.camera.camera;
     input.metadata = pass_through(job.photo.metadata);
@@ -120,13 +104,10 @@ void verify(const ConvertOptions& o, const Evidence& evidence, const Image& map,
 Input map_input(const ConvertOptions& o, const ColorConfig& colors, const Console& console) {
     const Layout* layout = find_layout(o.from);
     MapInput map = read_map(o.input, *layout, o.photo.max_pixels, colors, o.color.input_space);
-    for (const std::string& warning : map.warnings) console.warn(warning);
-    console.say(fmt::format("{}: {} of {}x{} pixels, colour space {}", o.input, layout->name,
-                            map.pixels.width(), map.pixels.height(), map.space));
-    if (map.bad_pixels > 0) console.warn(bad_pixel_warning(o.input, map.bad_pixels));
+    tell(map, o.input, *layout, console);
     Input input;
     input.source = map_source(map.pixels, *layout);
-    input.to_world = world_rotation(o, nullptr, console);
+    input.to_world = told_rotation(o.map).value_or(Rotation());
     input.metadata = std::move(map.metadata);
     return input;
 }

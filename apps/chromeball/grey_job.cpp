@@ -131,12 +131,12 @@ std::vector<char> clipped_pixels(const Photo& photo, const Window& region, doubl
 BallStep grey_ball_step(const GreyOptions& o, const PhotoJob& job, const MirrorBall& ball,
                         const ColorConfig& colors, const Console& console) {
     if (!o.ball) return nullptr;
-    return [&](BallLight& light, const Affine& to_pixels) {
+    return [&](BallLight& light) {
         const std::shared_ptr<const Photo> photo(&job.photo, [](const Photo*) {});
         const double level = clipped_from(photo, o.clip);
         GreyPicture grey;
         load_grey_ball(job.photo, job.camera.camera, *o.ball, light.space, level, colors, grey);
-        const BallPicture mirror{&light.pixels, ball, to_pixels};
+        const BallPicture mirror{&light.pixels, ball, light.to_pixels};
         const GreyBallFit fit =
             solve_missing_light(mirror, clipped_pixels(job.photo, light.region, level),
                                 grey.picture, grey.usable, grey_ball_options(o));

@@ -31,11 +31,11 @@ Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfi
     const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
     const BallLight in_ball =
         ball_light(job, ball, lens_blur(job), o.photo.cropped, o.color, map, colors);
-    for (const std::string& warning : in_ball.warnings) console.warn(warning);
+    tell(in_ball, job.photo, console);
     Light light;
     light.space = in_ball.space;
     light.layout = find_layout("latlong");
-    light.to_world = photo_rotation(o, map, job.photo, console);
+    light.to_world = photo_rotation(map, job.photo, o.photo.camera_axes, console);
     // Twice as fine as the ball, so that nothing of it is lost by being looked up again.
     const int size = std::min(4096, 2 * natural_size(in_ball.source, *light.layout));
     light.pixels = resample(in_ball.source, *light.layout, size, {Filter::adaptive, light.to_world},
@@ -45,18 +45,6 @@ Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfi
 }
 
 }  // namespace
-
-Rotation photo_rotation(const LightOptions& o, const MapOptions& map, const Photo& photo,
-                        const Console& console) {
-    if (const auto told = told_rotation(map)) return *told;
-    if (!photo.metadata.find("worldToCamera")) return {};
-    const auto rotation = rotation_from_metadata(photo, o.photo.camera_axes);
-    if (!rotation)
-        console.warn(fmt::format(
-            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
-            photo.name));
-    return rotation.value_or(Rotation());
-}
 
 void check_from(const std::string& from) {
     if (from != "auto" && from != "photo" && !find_layout(from))
@@ -68,10 +56,7 @@ Light read_light(const LightOptions& o, const MapOptions& map, const ColorConfig
     const Layout* layout = layout_of(o);
     if (!layout) return photo_light(o, map, colors, console);
     MapInput input = read_map(o.input, *layout, o.photo.max_pixels, colors, o.color.input_space);
-    for (const std::string& warning : input.warnings) console.warn(warning);
-    console.say(fmt::format("{}: {} of {}x{} pixels, colour space {}", o.input, layout->name,
-                            input.pixels.width(), input.pixels.height(), input.space));
-    if (input.bad_pixels > 0) console.warn(bad_pixel_warning(o.input, input.bad_pixels));
+    tell(input, o.input, *layout, console);
     Light light;
     light.pixels = std::move(input.pixels);
     light.layout = layout;

@@ -48,10 +48,6 @@ void check_from(const std::string& from);
 Light read_light(const LightOptions& options, const MapOptions& map, const ColorConfig& colors,
                  const Console& console);
 
-/// How a photo's camera stood: as told, else by the file's worldToCamera, else not turned.
-Rotation photo_rotation(const LightOptions& options, const MapOptions& map, const Photo& photo,
-                        const Console& console);
-
 /// The ball that the options tell of a picture of that size; nothing where they tell none. Throws
 /// Error.
 std::optional<PhotoView> told_view(const PhotoOptions& options, Size size, const Console& console);

@@ -10,6 +10,7 @@
 #include "io/facts.h"
 #include "io/read.h"
 #include "map_files.h"
+#include "map_job.h"
 
 namespace chromeball {
 namespace {
@@ -102,6 +103,14 @@ MapInput read_map(const std::string& path, const Layout& layout, std::int64_t ma
                         path, size.width, size.height, layout.name, layout.width_units,
                         layout.height_units));
     return input;
+}
+
+void tell(const MapInput& map, const std::string& path, const Layout& layout,
+          const Console& console) {
+    for (const std::string& warning : map.warnings) console.warn(warning);
+    console.say(fmt::format("{}: {} of {}x{} pixels, colour space {}", path, layout.name,
+                            map.pixels.width(), map.pixels.height(), map.space));
+    if (map.bad_pixels > 0) console.warn(bad_pixel_warning(path, map.bad_pixels));
 }
 
 std::string unknown_shape(const std::string& name) {

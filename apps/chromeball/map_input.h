@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "color/color.h"
+#include "console.h"
 #include "core/image.h"
 #include "core/metadata.h"
 #include "map/layouts.h"
@@ -25,6 +26,10 @@ struct MapInput {
 /// aspect.
 MapInput read_map(const std::string& path, const Layout& layout, std::int64_t max_pixels,
                   const ColorConfig& colors, const std::optional<std::string>& input_space);
+
+/// What was read, and all that is not as it should be.
+void tell(const MapInput& map, const std::string& path, const Layout& layout,
+          const Console& console);
 
 /// The text for a --from that is no shape.
 std::string unknown_shape(const std::string& name);

@@ -186,6 +186,12 @@ std::optional<Rotation> told_rotation(const MapOptions& o) {
     return rotation;
 }
 
+Rotation photo_rotation(const MapOptions& o, const Photo& photo, const std::string& camera_axes,
+                        const Console& console) {
+    if (const auto told = told_rotation(o)) return *told;
+    return told_by_file(photo, camera_axes, console).value_or(Rotation());
+}
+
 BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
                      const ColorOptions& color, const MapOptions& options,
                      const ColorConfig& colors, bool keep_pixels, const BallStep& step) {
@@ -197,7 +203,7 @@ BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_bl
         whole ? job.photo.window : needed_window(ball.outline(), job.photo.window);
     std::optional<Reflectance> reflectance;
     if (options.reflectance) reflectance = parse_reflectance(*options.reflectance);
-    Affine to_pixels = job.ball.to_pixels;
+    Affine& to_pixels = light.to_pixels = job.ball.to_pixels;
     to_pixels.x0 -= region.x;
     to_pixels.y0 -= region.y;
     std::atomic<std::size_t> all_bad = 0;
@@ -215,7 +221,7 @@ BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_bl
     };
     if (keep_pixels || step) {
         light.pixels = working(job.photo, region);
-        if (step) step(light, to_pixels);
+        if (step) step(light);
         light.source = ball_source(light.pixels, ball, to_pixels, lens_blur);
     } else {
         BallSourceMaker maker(region.size, ball, to_pixels, lens_blur);
@@ -240,6 +246,12 @@ BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_bl
     }
     if (all_bad > 0) light.warnings.push_back(bad_pixel_warning(job.photo.name, all_bad));
     return light;
+}
+
+void tell(const BallLight& light, const Photo& photo, const Console& console) {
+    for (const std::string& warning : light.warnings) console.warn(warning);
+    console.say(fmt::format("{}: {}x{} pixels, colour space {}", photo.name, photo.display.width,
+                            photo.display.height, light.space));
 }
 
 ResampleOptions resampling(const MapOptions& o, const OutputPlan& plan, const Rotation& to_world) {

@@ -43,24 +43,29 @@ void use_instructions(const MapOptions& options);
 
 /// --camera-to-world; nothing where it is not given. Throws Error (usage) where it is no rotation.
 std::optional<Rotation> told_rotation(const MapOptions& options);
+/// From a photo's camera to the world: what is told, else what the file says, else unturned.
+Rotation photo_rotation(const MapOptions& options, const Photo& photo,
+                        const std::string& camera_axes, const Console& console);
 
 /// The ball of a photo as light in the working space.
 struct BallLight {
     Source source;
-    Image pixels;   ///< the part of the photo that was taken, if that is to be kept
-    Window region;  ///< where that lies
+    Image pixels;      ///< the part of the photo that was taken, if that is to be kept
+    Window region;     ///< where that lies
+    Affine to_pixels;  ///< from the ball's positions to those of `pixels`
     std::string space;
     std::vector<std::string> warnings;
 };
-/// Something done to the ball's pixels before they become a source; `to_pixels` leads from the
-/// ball's positions to them.
-using BallStep = std::function<void(BallLight& light, const Affine& to_pixels)>;
+/// Something done to the ball's pixels before they become a source.
+using BallStep = std::function<void(BallLight& light)>;
 /// lens_blur: standard deviation, pixels. Of a crop (`whole`) all is taken. Pixels that are still
 /// in the file are read now; with a step they must have been.
 BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_blur, bool whole,
                      const ColorOptions& color, const MapOptions& options,
                      const ColorConfig& colors, bool keep_pixels = false,
                      const BallStep& step = nullptr);
+/// What was taken for which light, and all that is not as it should be.
+void tell(const BallLight& light, const Photo& photo, const Console& console);
 
 /// How the map is resampled: rotation into the output's frame, filter.
 ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,

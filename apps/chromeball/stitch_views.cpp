@@ -69,13 +69,6 @@ void apply_mask(const std::string& file, Size picture, const Window& region, Ima
                 std::fill_n(trust.pixel(x + part.x - region.x, y + part.y - region.y), 3, 0.0F);
 }
 
-Affine to_pixels_of(const PhotoJob& job, const BallLight& light) {
-    Affine to_pixels = job.ball.to_pixels;
-    to_pixels.x0 -= light.region.x;
-    to_pixels.y0 -= light.region.y;
-    return to_pixels;
-}
-
 Image trust_image(const PhotoJob& job, const BallLight& light,
                   const std::optional<std::string>& mask) {
     Image trust = doubts(job.photo, light.region);
@@ -90,16 +83,7 @@ std::optional<Rotation> rotation_of(const ViewOptions& o, std::size_t index, con
         one.camera_to_world = text;
         return told_rotation(one);
     }
-    if (!photo || !photo->metadata.find("worldToCamera")) return std::nullopt;
-    const auto rotation = rotation_from_metadata(*photo, options.camera_axes);
-    if (rotation)
-        console.say(
-            fmt::format("{}: turned into the world by the file's worldToCamera", photo->name));
-    else
-        console.warn(fmt::format(
-            "{}: its worldToCamera is no rotation and is not used; give --camera-to-world",
-            photo->name));
-    return rotation;
+    return photo ? told_by_file(*photo, options.camera_axes, console) : std::nullopt;
 }
 
 /// Of a found outline, pixels.
@@ -122,7 +106,7 @@ std::optional<Source> trust_source(const PhotoJob& job, const BallLight& light,
                                    const std::optional<std::string>& mask) {
     const Image trust = trust_image(job, light, mask);
     if (trust.empty()) return std::nullopt;
-    return ball_source(trust, ball, to_pixels_of(job, light), lens_blur);
+    return ball_source(trust, ball, light.to_pixels, lens_blur);
 }
 
 void ViewInput::change(const BallChange& change) {
@@ -165,10 +149,7 @@ ViewInput read_view(const std::string& file, std::size_t index, const ViewOption
     if (shape != "photo") {
         const Layout& layout = *find_layout(shape);
         MapInput read = read_map(file, layout, photo_options.max_pixels, colors, color.input_space);
-        for (const std::string& warning : read.warnings) console.warn(warning);
-        if (read.bad_pixels > 0) console.warn(bad_pixel_warning(file, read.bad_pixels));
-        console.say(fmt::format("{}: {} of {}x{} pixels, colour space {}", file, layout.name,
-                                read.pixels.width(), read.pixels.height(), read.space));
+        tell(read, file, layout, console);
         input.view.source = map_source(read.pixels, layout);
         if (mask) {
             Image trust;
@@ -192,22 +173,19 @@ ViewInput read_view(const std::string& file, std::size_t index, const ViewOption
     const MirrorBall ball = seen_ball(job, options.threshold, console);
     const double blur = lens_blur(job);
     BallLight light = ball_light(job, ball, blur, options.cropped, color, map, colors, true);
-    for (const std::string& warning : light.warnings) console.warn(warning);
-    console.say(fmt::format("{}: {}x{} pixels, colour space {}", file, job.photo.display.width,
-                            job.photo.display.height, light.space));
+    tell(light, job.photo, console);
     input.to_world = rotation_of(o, index, &job.photo, options, console);
     input.view.source = std::move(light.source);
     input.camera = -ball.axis();
-    const Affine to_pixels = to_pixels_of(job, light);
     Image trust = trust_image(job, light, mask);
-    if (!trust.empty()) input.view.trust = ball_source(trust, ball, to_pixels, blur);
+    if (!trust.empty()) input.view.trust = ball_source(trust, ball, light.to_pixels, blur);
     // Told outlines are taken as they are; found ones are as good as the ball's surroundings let
     // them be, which is more than the rim itself tells.
     const double deviation = job.ball.candidate ? likely_deviation(*job.ball.candidate) : 0;
     if (deviation > 0 || !job.camera.told) {
         input.ball = BallModel{job.ball.outline, job.camera.camera, job.camera.told, deviation};
         input.pixels_ = std::move(light.pixels);
-        input.to_pixels_ = to_pixels;
+        input.to_pixels_ = light.to_pixels;
         input.blur_ = blur;
         input.trust_ = std::move(trust);
     }
