@@ -140,12 +140,9 @@ void run_bake(const BakeCommand& o) {
     if (!as_it_is)
         map = resample(map_source(map, *find_layout("openexr")), *plan.layout, size, turn,
                        console.watch("converting"));
-    const Size pixels = map.size();
     const WrittenMap written =
         write_finished(std::move(map), plan, o.map, turn.rotation, {.source = o.scene}, {}, colors);
-    for (const std::string& warning : warnings_of(written, plan, o.map)) console.warn(warning);
-    console.say(fmt::format("{}: {} --size {} ({}x{} pixels), colour space {}", plan.path,
-                            plan.layout->name, size, pixels.width, pixels.height, written.space));
+    tell(written, plan, o.map, console);
 }
 
 }  // namespace

@@ -199,13 +199,10 @@ void run_convert(const ConvertOptions& o) {
     input.evidence.reset();
     console.watch("").check();
     input.provenance.source = o.input;
-    const Size pixels = map.size();
     const WrittenMap written =
         write_finished(std::move(map), plan, o.map, how.rotation, std::move(input.provenance),
                        std::move(input.metadata), colors, extras);
-    for (const std::string& warning : warnings_of(written, plan, o.map)) console.warn(warning);
-    console.say(fmt::format("{}: {} --size {} ({}x{} pixels), colour space {}", plan.path,
-                            plan.layout->name, size, pixels.width, pixels.height, written.space));
+    tell(written, plan, o.map, console);
 }
 
 }  // namespace
@@ -220,10 +217,7 @@ void add_convert(CLI::App& app) {
     command->add_option("--from", o->from, "What the input is: photo, or one of the layouts")
         ->capture_default_str();
     add_map_options(*command, o->map);
-    command
-        ->add_flag("--confidence", o->confidence,
-                   "A channel more, 0 to 1: how far the light is to be believed (EXR, TIFF)")
-        ->group("Output");
+    add_confidence_flag(*command, o->confidence);
     command
         ->add_flag("--remove-photographer", o->remove_photographer,
                    "Guess the outline of who stands before the ball, and fill it and what the ball "

@@ -65,6 +65,36 @@ EnvmapKind envmap_kind(const Layout& layout, bool turned_away) {
 
 }  // namespace
 
+void add_encoding_options(CLI::App& command, MapOptions& o) {
+    const std::string out = "Output";
+    command
+        .add_flag("--float", o.output.full_float,
+                  "32-bit EXR or TIFF, scene-linear (default: half EXR)")
+        ->group(out);
+    command.add_option("--bits", o.output.bits, "Of PNG and TIFF (default: 16)")
+        ->check(CLI::IsMember({8, 16}))
+        ->group(out);
+    command
+        .add_option("--output-space", o.output_space,
+                    "Colour space (default: scene_linear for EXR, HDR and float TIFF; "
+                    "srgb_texture for pictures)")
+        ->type_name("SPACE")
+        ->group("Colour");
+    command.add_option("--display", o.display, "Write a picture for this display")
+        ->type_name("NAME")
+        ->group("Colour");
+    command.add_option("--view", o.view, "... through this view, such as \"ACES SDR\"")
+        ->type_name("NAME")
+        ->group("Colour");
+}
+
+void add_confidence_flag(CLI::App& command, bool& wanted) {
+    command
+        .add_flag("--confidence", wanted,
+                  "A channel more, 0 to 1: how far the light is to be believed (EXR, TIFF)")
+        ->group("Output");
+}
+
 void add_map_options(CLI::App& command, MapOptions& o) {
     const std::string out = "Output";
     command
@@ -91,13 +121,6 @@ void add_map_options(CLI::App& command, MapOptions& o) {
         ->type_name("FORMAT")
         ->group(out);
     command
-        .add_flag("--float", o.output.full_float,
-                  "32-bit EXR or TIFF, scene-linear (default: half EXR)")
-        ->group(out);
-    command.add_option("--bits", o.output.bits, "Of PNG and TIFF (default: 16)")
-        ->check(CLI::IsMember({8, 16}))
-        ->group(out);
-    command
         .add_option("--filter", o.filter,
                     "adaptive: as many taps as needed; fast: one bilinear tap")
         ->check(CLI::IsMember({"adaptive", "fast"}))
@@ -109,18 +132,7 @@ void add_map_options(CLI::App& command, MapOptions& o) {
                     "the same bytes everywhere (default: the best of the processor)")
         ->type_name("TARGET")
         ->group(out);
-    command
-        .add_option("--output-space", o.output_space,
-                    "Colour space (default: scene_linear for EXR, HDR and float TIFF; "
-                    "srgb_texture for pictures)")
-        ->type_name("SPACE")
-        ->group("Colour");
-    command.add_option("--display", o.display, "Write a picture for this display")
-        ->type_name("NAME")
-        ->group("Colour");
-    command.add_option("--view", o.view, "... through this view, such as \"ACES SDR\"")
-        ->type_name("NAME")
-        ->group("Colour");
+    add_encoding_options(command, o);
     command
         .add_option(
             "--reflectance", o.reflectance,
@@ -275,6 +287,16 @@ std::string encode(Image& map, const MapOptions& o, const OutputPlan& plan,
     return space;
 }
 
+WriteOptions write_options(const MapOptions& o, const OutputPlan& plan, const std::string& space,
+                           const ColorConfig& colors) {
+    WriteOptions write;
+    write.format = plan.format;
+    write.full_float = o.output.full_float;
+    write.bits = o.output.bits.value_or(16);
+    if (!o.display && !o.view) write.color = colors.tag(space);
+    return write;
+}
+
 WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o,
                           const Rotation& rotation, Provenance origin, Metadata metadata,
                           const ColorConfig& colors, const MapExtras& extras) {
@@ -289,13 +311,9 @@ WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o
     }
     if (!extras.confidence.empty()) map = joined(map, nullptr, &extras.confidence);
     const bool turned_away = plan.preset && !plan.preset->axes.is_identity();
-    WriteOptions write;
-    write.format = plan.format;
-    write.full_float = o.output.full_float;
-    write.bits = o.output.bits.value_or(16);
+    WriteOptions write = write_options(o, plan, written.space, colors);
     write.envmap = envmap_kind(*plan.layout, turned_away);
     write.confidence = !extras.confidence.empty();
-    if (!o.display && !o.view) write.color = colors.tag(written.space);
     origin.version = kVersion;
     origin.layout = turned_away ? fmt::format("{} for {}", plan.layout->name, plan.preset->name)
                                 : std::string(plan.layout->name);
@@ -303,6 +321,7 @@ WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o
     write.metadata = std::move(metadata);
     write.metadata.set(to_attribute(origin));
     write_map(plan, map, write, written.report);
+    written.size = map.width() / plan.layout->width_units;
     return written;
 }
 
@@ -319,6 +338,15 @@ std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan
         warnings.push_back(fmt::format("{}: {} values were NaN or infinite and were replaced",
                                        plan.path, report.repaired));
     return warnings;
+}
+
+void tell(const WrittenMap& written, const OutputPlan& plan, const MapOptions& o,
+          const Console& console, const std::string& more) {
+    for (const std::string& warning : warnings_of(written, plan, o)) console.warn(warning);
+    const Size pixels = plan.layout->picture(written.size);
+    console.say(fmt::format("{}: {} --size {} ({}x{} pixels){}, colour space {}", plan.path,
+                            plan.layout->name, written.size, pixels.width, pixels.height, more,
+                            written.space));
 }
 
 std::string bad_pixel_warning(const std::string& name, std::size_t count) {

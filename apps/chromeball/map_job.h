@@ -33,6 +33,10 @@ struct MapOptions {
 };
 
 void add_map_options(CLI::App& command, MapOptions& options);
+/// Those of them that every picture of light has, map or not: --float, --bits, colours.
+void add_encoding_options(CLI::App& command, MapOptions& options);
+/// --confidence, for check_confidence().
+void add_confidence_flag(CLI::App& command, bool& wanted);
 
 /// What was typed wrong, before anything is read. Throws Error (usage).
 void check_map_options(const MapOptions& options, const OutputPlan& plan,
@@ -76,9 +80,14 @@ ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,
 std::string encode(Image& image, const MapOptions& options, const OutputPlan& plan,
                    const ColorConfig& colors);
 
+/// How a picture is written whose colours encode() has brought into `space`.
+WriteOptions write_options(const MapOptions& options, const OutputPlan& plan,
+                           const std::string& space, const ColorConfig& colors);
+
 /// A map that was written.
 struct WrittenMap {
     std::string space;  ///< or display and view
+    int size = 0;       ///< as --size counts
     WriteReport report;
 };
 /// What a map may have besides its colours.
@@ -98,6 +107,9 @@ WrittenMap write_finished(Image map, const OutputPlan& plan, const MapOptions& o
 /// What writing changed, as warnings.
 std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan& plan,
                                      const MapOptions& options);
+/// What was written, after those warnings. more: of the map, after its size.
+void tell(const WrittenMap& written, const OutputPlan& plan, const MapOptions& options,
+          const Console& console, const std::string& more = {});
 /// Of pixels that hold no number; empty where there are none.
 std::string bad_pixel_warning(const std::string& name, std::size_t count);
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <CLI/App.hpp>
-
 #include <string>
 
 #include "color/color.h"
@@ -11,9 +9,6 @@
 #include "map_job.h"
 
 namespace chromeball {
-
-/// The options of MapOptions that pictures of things have: -o, --float, --bits, colours.
-void add_picture_options(CLI::App& command, MapOptions& options);
 
 /// Encodes a picture of the working space (RGBA, colour multiplied by alpha) and writes it to
 /// `path`, in the plan's format. source: what it was made from, for its metadata, which holds

@@ -431,7 +431,7 @@ void add_preview(CLI::App& app) {
     add_scene_options(*command, o->scene);
     add_view_options(*command, *o);
     add_quality_options(*command, *o);
-    add_picture_options(*command, o->map);
+    add_encoding_options(*command, o->map);
     add_photo_options(*command, o->light.photo);
     add_color_options(*command, o->light.color);
     add_common_options(*command, o->common);

@@ -143,17 +143,12 @@ void run_stitch(const StitchOptions& o) {
 
     Provenance provenance = std::move(inputs.front().provenance);
     provenance.source = o.files.front();
-    const Size pixels = blended.map.size();
     const WrittenMap written = write_finished(
         std::move(blended.map), plan, o.map, how.rotation * alignment.to_world.front(),
         std::move(provenance), std::move(inputs.front().metadata), colors,
         {std::move(blended.confidence), blending.fill});
-    for (const std::string& warning : warnings_of(written, plan, o.map)) console.warn(warning);
-    console.say(
-        fmt::format("{}: {} --size {} ({}x{} pixels), {:.2f} % of the sphere seen, colour "
-                    "space {}",
-                    plan.path, plan.layout->name, size, pixels.width, pixels.height,
-                    100 * blended.covered, written.space));
+    tell(written, plan, o.map, console,
+         fmt::format(", {:.2f} % of the sphere seen", 100 * blended.covered));
     if (!o.json) return;
     StitchReport report;
     report.covered = blended.covered;
@@ -220,10 +215,7 @@ void add_stitch(CLI::App& app) {
         ->check(CLI::IsMember({"smooth", "none"}))
         ->capture_default_str()
         ->group("Output");
-    command
-        ->add_flag("--confidence", o->confidence,
-                   "A channel more, 0 to 1: how far the light is to be believed (EXR, TIFF)")
-        ->group("Output");
+    add_confidence_flag(*command, o->confidence);
     command
         ->add_flag(
             "--remove-photographer", o->lone_photographer,
