@@ -96,7 +96,7 @@ private:
 template <class F>
 void for_ball(const BallPicture& picture, F f) {
     const Affine back = picture.to_pixels.inverse();
-    const double area = std::abs(back.xx * back.yy - back.xy * back.yx);
+    const double area = std::abs(back.determinant());
     for (int y = 0; y < picture.pixels->height(); ++y)
         for (int x = 0; x < picture.pixels->width(); ++x) {
             const V2d position = back(Vec2<double>(x + 0.5, y + 0.5));
@@ -203,9 +203,7 @@ struct Facet {
 std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& usable) {
     constexpr int kAcross = 40;  // squares over the ball's width
     const Outline& e = grey.ball.outline();
-    const double radius =
-        std::sqrt(e.a * e.b) * std::sqrt(std::abs(grey.to_pixels.xx * grey.to_pixels.yy -
-                                                  grey.to_pixels.xy * grey.to_pixels.yx));
+    const double radius = std::sqrt(e.a * e.b * std::abs(grey.to_pixels.determinant()));
     const int side = std::max(1, static_cast<int>(2 * radius / kAcross));
     const int columns = grey.pixels->width() / side + 1;
     std::vector<Facet> cells(static_cast<std::size_t>(columns) *
@@ -331,7 +329,7 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
     // Irradiance of a facet by a region of radiance 1: its pixels, not its middle alone.
     const int width = mirror.pixels->width();
     const Affine back = mirror.to_pixels.inverse();
-    const double area = std::abs(back.xx * back.yy - back.xy * back.yx);
+    const double area = std::abs(back.determinant());
     std::vector<std::vector<Ray>> parts;
     for (const ClippedRegion& region : fit.regions) {
         Rays some;

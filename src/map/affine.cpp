@@ -6,7 +6,7 @@
 namespace chromeball {
 
 Affine Affine::inverse() const {
-    const double det = xx * yy - xy * yx;
+    const double det = determinant();
     Affine inverse{yy / det, -xy / det, 0, -yx / det, xx / det, 0};
     inverse.x0 = -(inverse.xx * x0 + inverse.xy * y0);
     inverse.y0 = -(inverse.yx * x0 + inverse.yy * y0);

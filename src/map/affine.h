@@ -15,6 +15,8 @@ struct Affine {
         return {T(xx) * p.x + T(xy) * p.y + T(x0), T(yx) * p.x + T(yy) * p.y + T(y0)};
     }
     Affine inverse() const;
+    /// Of what a square of area 1 becomes; below 0 where it is mirrored.
+    double determinant() const { return xx * yy - xy * yx; }
 };
 
 inline Affine shift(double dx, double dy) { return {1, 0, dx, 0, 1, dy}; }
