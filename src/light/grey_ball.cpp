@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "core/luminance.h"
-#include "light/reflectance.h"
 
 namespace chromeball {
 namespace {
@@ -214,7 +213,7 @@ std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& u
             static_cast<std::size_t>(y) * static_cast<std::size_t>(grey.pixels->width()) +
             static_cast<std::size_t>(x);
         if (!usable[at]) return;
-        const V3d view = view_direction(grey.ball, back(Vec2<double>(x + 0.5, y + 0.5)));
+        const V3d view = grey.ball.ray(back(Vec2<double>(x + 0.5, y + 0.5)));
         const V3d normal = (d - view).normalized();  // d = view - 2 (view.n) n
         // Away from the rim, where lens blur mixes in what is behind, and paint is no diffuser.
         constexpr double kGrazing = 0.35;

@@ -20,7 +20,7 @@ double cosine_of_incidence(const MirrorBall& ball, V2d position) {
     const auto d = ball.to_direction(position);
     if (!d) return 0;
     // The reflected direction makes twice the angle of incidence with the one to the camera.
-    return std::sqrt(std::max(0.0, (1 - d->normalized().dot(view_direction(ball, position))) / 2));
+    return std::sqrt(std::max(0.0, (1 - d->normalized().dot(ball.ray(position))) / 2));
 }
 
 }  // namespace
@@ -61,14 +61,6 @@ const BallMaterial* find_ball_material(std::string_view name) {
     const auto& all = ball_materials();
     const auto found = std::ranges::find(all, name, &BallMaterial::name);
     return found == all.end() ? nullptr : &*found;
-}
-
-V3d view_direction(const MirrorBall& ball, V2d position) {
-    if (ball.orthographic()) return {0, 0, -1};
-    const Vec2<double> p = ball.distortion().undistorted(
-        Vec2<double>((position.x - ball.principal().x) / ball.focal(),
-                     (position.y - ball.principal().y) / ball.focal()));
-    return V3d(p.x, -p.y, -1).normalized();
 }
 
 void undo_reflectance(Image& pixels, const MirrorBall& ball, const Affine& to_pixels,

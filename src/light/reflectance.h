@@ -46,9 +46,6 @@ struct BallMaterial {
 const std::vector<BallMaterial>& ball_materials();
 const BallMaterial* find_ball_material(std::string_view name);
 
-/// Unit vector from the camera through a position of the photo: the camera's frame.
-V3d view_direction(const MirrorBall& ball, V2d position);
-
 /// Divides a ball's pixels by what the mirror gives back at each one's angle of incidence, in
 /// place.
 ///

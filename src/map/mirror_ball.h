@@ -64,6 +64,8 @@ public:
         return orthographic_ ? distant_position(d) : near_position(d);
     }
     double solid_angle(V2d position) const;
+    /// Unit vector from the camera through a position, in the camera's frame.
+    V3d ray(V2d position) const { return orthographic_ ? V3d(0, 0, -1) : near_ray(position); }
     /// Beyond 150 degrees from the direction towards the camera, and near the hidden cone.
     bool curved(V3d d) const { return d.dot(axis_) > curved_cosine_; }
 
@@ -98,12 +100,17 @@ private:
     }
 
     template <class T>
-    std::optional<Vec3<T>> near_direction(const Vec2<T>& position) const {
-        using std::sqrt;
+    Vec3<T> near_ray(const Vec2<T>& position) const {
         const Vec2<T> p =
             distortion_.undistorted(Vec2<T>((position.x - T(principal_.x)) * T(1 / focal_),
                                             (position.y - T(principal_.y)) * T(1 / focal_)));
-        const Vec3<T> q = unit(Vec3<T>(p.x, -p.y, T(-1.0)));
+        return unit(Vec3<T>(p.x, -p.y, T(-1.0)));
+    }
+
+    template <class T>
+    std::optional<Vec3<T>> near_direction(const Vec2<T>& position) const {
+        using std::sqrt;
+        const Vec3<T> q = near_ray(position);
         const T cosine = along(q, axis_);
         // The ray passes the centre at D sin(alpha); as a cross product it keeps its digits.
         const Vec3<T> c = constant<T>(axis_);

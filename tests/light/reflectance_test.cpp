@@ -58,7 +58,7 @@ TEST(UndoReflectance, DividesByWhatComesBackAtEachPixelsAngle) {
         const int x = static_cast<int>(e.cx + 0.5 * e.b), y = static_cast<int>(e.cy);
         if (x < 0 || x >= 640 || y < 0 || y >= 480) continue;
         const V2d at(x + 0.5, y + 0.5);
-        const V3d q = view_direction(named.ball, at);
+        const V3d q = named.ball.ray(at);
         const V3d d = V3d(*named.ball.to_direction(at)).normalized();
         // By the normal, not by half the angle.
         const double cosine = -(d - q).normalized().dot(q);
