@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 #include "detect/detect.h"
 #include "io/facts.h"
 #include "io/read.h"
@@ -161,8 +162,7 @@ void keep_alike(std::vector<std::optional<Outline>>& balls) {
     for (const auto& ball : balls)
         if (ball) radii.push_back(radius(*ball));
     if (radii.empty()) return;
-    std::ranges::nth_element(radii, radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2));
-    const double usual = radii[radii.size() / 2];
+    const double usual = median(std::move(radii));
     for (auto& ball : balls)
         if (ball && std::abs(radius(*ball) / usual - 1) > 0.05) ball.reset();
 }

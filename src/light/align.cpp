@@ -6,9 +6,11 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "core/luminance.h"
 #include "core/parallel.h"
+#include "core/statistics.h"
 
 namespace chromeball {
 namespace {
@@ -313,14 +315,14 @@ bool improve(const Raster& reference, const Raster& other, Fit& fit) {
     const Eigen::Matrix2d inverse = factors.solve(Eigen::Matrix2d::Identity());
     // Residuals of neighbouring pixels go together, as edges do.
     constexpr double kTogether = 16;
-    fit.deviation = std::sqrt(kTogether * (inverse(0, 0) + inverse(1, 1)) * squares / total *
-                              total / static_cast<double>(pixels));
+    fit.deviation = std::sqrt(kTogether * (inverse(0, 0) + inverse(1, 1)) * squares /
+                              static_cast<double>(pixels));
     return true;
 }
 
 /// How badly two rasters fit at a whole-pixel shift: spread of the difference, robustly.
 double misfit(const Raster& reference, const Raster& other, int dx, int dy,
-              std::vector<float>& differences) {
+              std::vector<double>& differences) {
     differences.clear();
     std::size_t shown = 0;
     for (int y = 0; y < reference.size.height; ++y)
@@ -332,23 +334,21 @@ double misfit(const Raster& reference, const Raster& other, int dx, int dy,
             if (i < 0 || j < 0 || i >= other.size.width || j >= other.size.height) continue;
             const std::size_t there = other.at(i, j);
             if (!(other.weight[there] > 0)) continue;
-            differences.push_back(other.value[there] - reference.value[at]);
+            differences.push_back(
+                static_cast<double>(other.value[there] - reference.value[at]));
         }
     if (differences.size() < 60 || differences.size() < shown / 4)
         return std::numeric_limits<double>::infinity();
-    const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-    std::nth_element(differences.begin(), middle, differences.end());
-    const double median = static_cast<double>(*middle);
+    const double middle = median(differences);
     double sum = 0;
-    for (const float d : differences)
-        sum += std::min(0.5, std::abs(static_cast<double>(d) - median));
+    for (const double d : differences) sum += std::min(0.5, std::abs(d - middle));
     return sum / static_cast<double>(differences.size());
 }
 
 /// The best whole-pixel shift at the coarsest level.
 V2d coarse_shift(const Raster& reference, const Raster& other) {
     const int reach = std::max(reference.size.width, reference.size.height) / 6;
-    std::vector<float> differences;
+    std::vector<double> differences;
     V2d best(0, 0);
     double least = misfit(reference, other, 0, 0, differences);
     for (int dy = -reach; dy <= reach; ++dy)

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
+#include "core/statistics.h"
 
 namespace chromeball {
 namespace {
@@ -116,14 +117,13 @@ using Flags = std::vector<char>;
 /// From how large a contradiction on something moved: beyond what curves and tags that are a little
 /// wrong do everywhere.
 float threshold_of(const Cells& cells) {
-    std::vector<float> typical;
+    std::vector<double> typical;
     for (std::size_t cell = 0; cell < cells.size().pixels(); ++cell)
         for (std::size_t k = 0; k + 1 < cells.photos(); ++k)
-            typical.push_back(contradiction(cells.at(cell, k), cells.at(cell, k + 1)));
+            typical.push_back(
+                static_cast<double>(contradiction(cells.at(cell, k), cells.at(cell, k + 1))));
     if (typical.empty()) return 1;
-    const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
-    std::nth_element(typical.begin(), middle, typical.end());
-    return std::min(0.15f + 2 * *middle, 0.5f);
+    return std::min(0.15f + 2 * static_cast<float>(median(std::move(typical))), 0.5f);
 }
 
 Flags contradicting(const Cells& cells, float threshold) {
