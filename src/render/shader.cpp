@@ -56,6 +56,31 @@ struct Shader::Surface {
     bool from_inside = false;
     const Object* object = nullptr;
     Hit hit;
+
+    /// A beam that leaves from here; its direction is to be told.
+    Beam leaving() const {
+        Beam beam;
+        beam.origin = position;
+        beam.origin_x = position_x;
+        beam.origin_y = position_y;
+        return beam;
+    }
+    /// What a beam's change of d.n is, where its direction and the normal change by those.
+    float cosine_by(const Beam& beam, const V3f& direction_by, const V3f& normal_by) const {
+        return direction_by.dot(normal) + beam.direction.dot(normal_by);
+    }
+    /// A beam as a mirror with this normal sends it on, dn being direction.normal.
+    Beam mirrored(const Beam& beam, float dn) const {
+        const auto turned = [&](const V3f& direction_by, const V3f& normal_by) {
+            const float by = cosine_by(beam, direction_by, normal_by);
+            return direction_by - (normal_by * dn + normal * by) * 2;
+        };
+        Beam next = leaving();
+        next.direction = beam.direction - normal * (2 * dn);
+        next.direction_x = turned(beam.direction_x, normal_x);
+        next.direction_y = turned(beam.direction_y, normal_y);
+        return next;
+    }
 };
 
 struct Shader::Path {
@@ -142,15 +167,12 @@ Shader::Surface Shader::surface_at(const Beam& beam, const Hit& hit) const {
         s.normal_y = turned(s.position_y);
         if (s.normal.dot(s.facet) < 0) s.facet = -s.facet;  // what the normals say is outside
     }
-    s.from_inside = slope > 0;
-    if (beam.direction.dot(s.facet) > 0) {
-        s.from_inside = true;
+    s.from_inside = beam.direction.dot(s.facet) > 0;
+    if (s.from_inside) {
         s.facet = -s.facet;
         s.normal = -s.normal;
         s.normal_x = -s.normal_x;
         s.normal_y = -s.normal_y;
-    } else {
-        s.from_inside = false;
     }
     return s;
 }
@@ -195,19 +217,8 @@ V3f Shader::along(const Beam& beam, const Surface& from, const Path& path) const
 }
 
 V3f Shader::polished(const Beam& beam, const Surface& s, const Path& path) const {
-    const V3f& d = beam.direction;
-    const float dn = d.dot(s.normal);
-    Beam next;
-    next.origin = s.position;
-    next.origin_x = s.position_x;
-    next.origin_y = s.position_y;
-    next.direction = d - s.normal * (2 * dn);
-    const auto turned = [&](const V3f& direction_by, const V3f& normal_by) {
-        const float by = direction_by.dot(s.normal) + d.dot(normal_by);
-        return direction_by - (normal_by * dn + s.normal * by) * 2;
-    };
-    next.direction_x = turned(beam.direction_x, s.normal_x);
-    next.direction_y = turned(beam.direction_y, s.normal_y);
+    const float dn = beam.direction.dot(s.normal);
+    Beam next = s.mirrored(beam, dn);
     const V3f part = reflectance(s.object->material, -dn);
     if (shading_ == Shading::raytrace) {
         // A smooth normal can send light into its own triangle; it leaves along it then.
@@ -288,17 +299,8 @@ V3f Shader::glass(const Beam& beam, const Surface& s, const Path& path) const {
     if (reflected > 0) {
         Path next = path.after(reflected);
         next.inside = s.from_inside;
-        Beam mirrored;
-        mirrored.origin = s.position;
-        mirrored.origin_x = s.position_x;
-        mirrored.origin_y = s.position_y;
-        mirrored.direction = (d - s.normal * (2 * dn)).normalized();
-        const auto turned = [&](const V3f& direction_by, const V3f& normal_by) {
-            const float by = direction_by.dot(s.normal) + d.dot(normal_by);
-            return direction_by - (normal_by * dn + s.normal * by) * 2;
-        };
-        mirrored.direction_x = turned(beam.direction_x, s.normal_x);
-        mirrored.direction_y = turned(beam.direction_y, s.normal_y);
+        Beam mirrored = s.mirrored(beam, dn);
+        mirrored.direction.normalize();  // dn is not below some least
         sum += along(mirrored, s, next) * reflected;
     }
     if (reflected < 1) {
@@ -307,14 +309,11 @@ V3f Shader::glass(const Beam& beam, const Surface& s, const Path& path) const {
         // Snell's law in vectors: T = eta D - mu N, after Igehy.
         const float tn = -std::sqrt(std::max(0.0F, 1 - eta * eta * (1 - dn * dn)));
         const float mu = eta * dn - tn;
-        Beam bent;
-        bent.origin = s.position;
-        bent.origin_x = s.position_x;
-        bent.origin_y = s.position_y;
+        Beam bent = s.leaving();
         bent.direction = (d * eta - s.normal * mu).normalized();
         const float mu_by = eta - eta * eta * dn / std::min(tn, -1e-3F);
         const auto turned = [&](const V3f& direction_by, const V3f& normal_by) {
-            const float by = direction_by.dot(s.normal) + d.dot(normal_by);
+            const float by = s.cosine_by(beam, direction_by, normal_by);
             return direction_by * eta - (normal_by * mu + s.normal * (mu_by * by));
         };
         bent.direction_x = turned(beam.direction_x, s.normal_x);
