@@ -1,7 +1,6 @@
 #include "render/environment.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <numbers>
 
@@ -48,8 +47,7 @@ Image as_light(Image pixels, const Layout& layout, bool& cube) {
 Image halved(const Image& image, const Layout& layout) {
     const Size size{image.width() / 2, image.height() / 2};
     if (image.width() % 2 != 0 || image.height() % 2 != 0 ||
-        size != layout.picture(size.width / layout.width_units) ||
-        (layout.name == "openexr" && image.width() % 2 != 0))
+        size != layout.picture(size.width / layout.width_units))
         return resample(map_source(image, layout), layout,
                         std::max(1, image.width() / layout.width_units / 2));
     Image out(size, 4);
@@ -69,10 +67,7 @@ Image halved(const Image& image, const Layout& layout) {
 /// Fills what a map does not show with what its coarser level has there.
 void fill_holes(Image& image, const Source& coarser, const Layout& layout) {
     Image filling(image.size(), 4);
-    const int size = image.width() / layout.width_units;
     resample(coarser, layout, filling.view(), {Filter::fast, {}});
-    assert(filling.width() == size * layout.width_units);
-    (void)size;
     for_each_band(image.height(), 16, [&](int first, int last) {
         for (int y = first; y < last; ++y)
             for (int x = 0; x < image.width(); ++x) {
