@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/parallel.h"
+#include "resample/source.h"
 
 namespace chromeball {
 namespace {
@@ -25,22 +26,18 @@ Hole hole_of(const Image& picture, const Outline& e) {
     const double c = std::cos(e.angle * std::numbers::pi / 180);
     const double s = std::sin(e.angle * std::numbers::pi / 180);
     const double a = e.a * kMoreThanRadius + kMorePixels, b = e.b * kMoreThanRadius + kMorePixels;
-    const double half_x = std::hypot(a * c, b * s) + 2, half_y = std::hypot(a * s, b * c) + 2;
-    const int left = std::max(0, static_cast<int>(std::floor(e.cx - half_x)));
-    const int top = std::max(0, static_cast<int>(std::floor(e.cy - half_y)));
-    const int right = std::min(picture.width(), static_cast<int>(std::ceil(e.cx + half_x)));
-    const int bottom = std::min(picture.height(), static_cast<int>(std::ceil(e.cy + half_y)));
     Hole hole;
-    if (right <= left || bottom <= top) return hole;
-    hole.window = {left, top, {right - left, bottom - top}};
-    hole.pixels = Image(hole.window.size, 4);
-    hole.wanted.resize(hole.window.size.pixels());
-    for (int y = 0; y < bottom - top; ++y)
-        for (int x = 0; x < right - left; ++x) {
+    hole.window = needed_window({e.cx, e.cy, a, b, e.angle}, {0, 0, picture.size()});
+    const auto [left, top, size] = hole.window;
+    if (size.pixels() == 0) return hole;
+    hole.pixels = Image(size, 4);
+    hole.wanted.resize(size.pixels());
+    for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
             std::copy_n(picture.pixel(left + x, top + y), 4, hole.pixels.pixel(x, y));
             const double dx = left + x + 0.5 - e.cx, dy = top + y + 0.5 - e.cy;
             const double u = (dx * c + dy * s) / a, v = (dy * c - dx * s) / b;
-            hole.wanted[static_cast<std::size_t>(y * (right - left) + x)] = u * u + v * v <= 1;
+            hole.wanted[static_cast<std::size_t>(y * size.width + x)] = u * u + v * v <= 1;
         }
     return hole;
 }
