@@ -219,15 +219,27 @@ void Environment::make_matte(const std::vector<Image>& images, const Layout& lay
     Image matte({kFace, 6 * kFace}, 4);
     const Cube cube;
     for_each_band(matte.height(), 4, [&](int first, int last) {
-        for (int y = first; y < last; ++y)
+        for (int y = first; y < last; ++y) {
+            // A row's normals side by side, as processors like it.
+            float nx[kFace], ny[kFace], nz[kFace], sums[3][kFace] = {};
             for (int x = 0; x < kFace; ++x) {
                 const V3f n(*cube.to_direction(V2d((x + 0.5) / kFace, (y + 0.5) / matte.height())));
-                V3f sum(0);
-                for (const Light& light : lights)
-                    sum += light.flux * std::max(0.0F, n.dot(light.direction));
-                for (int c = 0; c < 3; ++c) matte.pixel(x, y)[c] = sum[c] / kPi;
+                nx[x] = n.x, ny[x] = n.y, nz[x] = n.z;
+            }
+            for (const Light& light : lights) {
+                const V3f d = light.direction, flux = light.flux;
+                for (int x = 0; x < kFace; ++x) {
+                    const float cosine = std::max(0.0F, nx[x] * d.x + ny[x] * d.y + nz[x] * d.z);
+                    sums[0][x] += flux.x * cosine;
+                    sums[1][x] += flux.y * cosine;
+                    sums[2][x] += flux.z * cosine;
+                }
+            }
+            for (int x = 0; x < kFace; ++x) {
+                for (int c = 0; c < 3; ++c) matte.pixel(x, y)[c] = sums[c][x] / kPi;
                 matte.pixel(x, y)[3] = 1;
             }
+        }
     });
     Source source = map_source(matte, column());
     matte_ = {std::move(source.pixels), kFace, kFace, source.border};
