@@ -40,7 +40,8 @@ Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfi
     const int size = std::min(4096, 2 * natural_size(in_ball.source, *light.layout));
     light.pixels = resample(in_ball.source, *light.layout, size, {Filter::adaptive, light.to_world},
                             console.watch("converting"));
-    if (!o.photo.cropped) light.photo = PhotoView{job.photo.display, job.camera.camera, ball};
+    if (!o.photo.cropped)
+        light.photo = PhotoView{job.photo.display, job.camera.camera, ball, lens_blur(job)};
     return light;
 }
 

@@ -28,6 +28,7 @@ struct PhotoView {
     Size size;  ///< of the photo
     Camera camera;
     MirrorBall ball;
+    double lens_blur = 0;  ///< of the ball's rim, see lens_blur()
 };
 
 /// An environment map in the working space, in the world's axes.

@@ -17,7 +17,7 @@ void find_ball(const std::string& path, const LightOptions& o, const MapOptions&
                const Console& console, Plate& plate) {
     PhotoJob job = open_photo(path, o.photo, console.watch("searching"));
     const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
-    plate.view = {job.photo.display, job.camera.camera, ball};
+    plate.view = {job.photo.display, job.camera.camera, ball, lens_blur(job)};
     plate.to_world = photo_rotation(map, job.photo, o.photo.camera_axes, console);
 }
 

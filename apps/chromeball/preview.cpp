@@ -302,7 +302,8 @@ void run_preview(const PreviewCommand& o) {
         }
         Metadata metadata;
         if (plate) {
-            if (o.patch) paint_out(plate->pixels, plate->view.ball.outline());
+            if (o.patch)
+                paint_out(plate->pixels, plate->view.ball.outline(), plate->view.lens_blur);
             lay_over(plate->pixels, picture);
             picture = std::move(plate->pixels);
             metadata = std::move(plate->metadata);
