@@ -33,8 +33,8 @@ struct Hole {
           cosine(std::cos(e.angle * std::numbers::pi / 180)),
           sine(std::sin(e.angle * std::numbers::pi / 180)),
           window(needed_window(e, {0, 0, size})) {
-        // A radius more on each side.
-        near = needed_window({e.cx, e.cy, 2 * e.a, 2 * e.b, e.angle}, {0, 0, size});
+        // One and a half radii more on each side.
+        near = needed_window({e.cx, e.cy, 2.5 * e.a, 2.5 * e.b, e.angle}, {0, 0, size});
     }
     bool has(int x, int y) const {
         const double dx = x + 0.5 - ellipse.cx, dy = y + 0.5 - ellipse.cy;

@@ -10,8 +10,8 @@ namespace chromeball {
 namespace {
 
 constexpr int kReach = 3;  // patches of 7 x 7
-/// The coarsest picture's hole is that small: about a patch.
-constexpr int kSmallHole = 12;
+/// The coarsest picture's hole is that small: a few patches, so that there are many around it.
+constexpr int kSmallHole = 24;
 /// What a distance of the picture's width and height counts, as a sum of squares over a patch.
 constexpr float kFar = 5;
 
