@@ -17,7 +17,8 @@ struct PageOptions {
 };
 
 /// A map's light as six faces below each other as OpenGL stores them, RGBA, alpha its coverage, not
-/// multiplied; what the map lacks is filled in. What a page takes.
+/// multiplied; what the map lacks is filled in, and bilinear drawing is made up for. What a page
+/// takes.
 ///
 /// map: what the environment was made of, with its layout; for the coverage.
 Image page_faces(const Environment& environment, const Image& map, const Layout& layout, int face);
