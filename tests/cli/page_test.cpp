@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "cli/browser.h"
 #include "cli/program.h"
@@ -179,6 +180,55 @@ TEST_F(Page, HasItsSwitches) {
     };
     EXPECT_NEAR(linear(all.pictures[0].pixel(20, 20)[2]) / linear(all.pictures[1].pixel(20, 20)[2]),
                 4, 0.4);
+}
+
+TEST_F(Page, TurnsByMouseAndTouchAndHasASliderForExposure) {
+    if (no_browser()) GTEST_SKIP() << "no Chromium here: the page is not looked at";
+    const std::string text = page({"--mesh=torus", "--orbit=30,15,4"});
+    // What a hand would do, done by the page to itself once it stands.
+    const auto with = [&](const std::string& deeds) {
+        std::string acting = text;
+        const std::string script = R"(<script>
+            const view = document.getElementById('view');
+            view.setPointerCapture = () => {};  // of pointers that no hand holds
+            const at = (kind, id, x, y) => view.dispatchEvent(new PointerEvent(kind,
+                {pointerId: id, clientX: x, clientY: y, bubbles: true}));
+            const set = (id, key, value) => {
+                const control = document.getElementById(id);
+                control[key] = value;
+                control.dispatchEvent(new Event('input'));
+            };
+            )" + deeds + "</script>";
+        acting.insert(acting.rfind("</body>"), script);
+        return acting;
+    };
+    // A drag, then two fingers that part, then the wheel.
+    const std::string hand =
+        "at('pointerdown', 1, 100, 100); at('pointermove', 1, 150, 125);"
+        "at('pointermove', 1, 200, 150); at('pointerup', 1, 200, 150);"
+        "at('pointermove', 1, 300, 300);"
+        "at('pointerdown', 1, 100, 100); at('pointerdown', 2, 200, 100);"
+        "at('pointermove', 2, 250, 100); at('pointerup', 1, 100, 100);"
+        "at('pointercancel', 2, 250, 100);"
+        "view.dispatchEvent(new WheelEvent('wheel', {deltaY: 200, cancelable: true}));";
+    const std::string panel =
+        "set('exposure', 'value', '-1.5'); set('mode', 'value', 'glass');"
+        "set('sky', 'checked', false);";
+    const std::tuple<std::string, std::string, std::string> cases[] = {
+        {hand, "#ui=0", "#ui=0&az=-10&el=35&d=3.2570741"},
+        {panel, "#ui=0", "#ui=0&ev=-1.5&mode=glass&sky=0"}};
+    std::vector<std::pair<std::string, std::string>> pages{{text, "#ui=0"}};
+    for (const auto& [deeds, from, to] : cases) {
+        pages.emplace_back(with(deeds), from);
+        pages.emplace_back(text, to);
+    }
+    const Shown all = shown(pages);
+    EXPECT_EQ(all.console, "");
+    for (std::size_t i = 0; i < std::size(cases); ++i) {
+        const Image &done = all.pictures[2 * i + 1], &wanted = all.pictures[2 * i + 2];
+        EXPECT_LT(mean_difference(done, wanted), 0.1) << std::get<0>(cases[i]);
+        EXPECT_GT(mean_difference(done, all.pictures[0]), 1) << std::get<0>(cases[i]);
+    }
 }
 
 TEST_F(Page, MarksWhatTheMapLacks) {
