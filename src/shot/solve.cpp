@@ -140,15 +140,26 @@ std::optional<Numbers> by_neighbours(const std::vector<Measurement>& seen, std::
 /// Takes the weight of what stands out against its neighbours, so that the first fit is not drawn
 /// to it.
 void doubt_outliers(std::vector<Measurement>& seen, const std::vector<int>& frames) {
-    std::vector<double> off(seen.size(), 0);
+    std::vector<double> off(seen.size(), 0), per_frame(seen.size(), 0);
+    // What a path bends away from a straight line grows with the square of the way along it: of
+    // frames far from all others little is known.
+    const auto far = [&](std::size_t i) {
+        int nearest = 1 << 20;
+        if (i > 0) nearest = std::min(nearest, frames[i] - frames[i - 1]);
+        if (i + 1 < frames.size()) nearest = std::min(nearest, frames[i + 1] - frames[i]);
+        return double(nearest) * nearest;
+    };
     for (std::size_t i = 0; i < seen.size(); ++i)
-        if (const auto expected = by_neighbours(seen, i, frames, 3))
+        if (const auto expected = by_neighbours(seen, i, frames, 3)) {
             off[i] =
                 std::hypot(seen[i].value[0] - (*expected)[0], seen[i].value[1] - (*expected)[1],
                            seen[i].value[2] - (*expected)[2]);
-    const double usual = median(off);
+            per_frame[i] = off[i] / far(i);
+        }
+    const double usual = median(per_frame);
     for (std::size_t i = 0; i < seen.size(); ++i) {
-        const double allowed = 8 * usual + 6 * seen[i].deviation[0] + 0.005 * seen[i].value[2];
+        const double allowed =
+            8 * usual * far(i) + 6 * seen[i].deviation[0] + 0.005 * seen[i].value[2];
         if (!seen[i].certain && off[i] > allowed) seen[i].weight = 1e-4;
     }
 }

@@ -77,6 +77,21 @@ void put(Take& take, std::size_t at, double cx, double cy, double r) {
     take.records[at].ball->outline = {cx, cy, r, r, 0};
 }
 
+TEST(Solve, BelievesSureSightingsFarFromAllOthers) {
+    // Some frames in a row, and two on their own for a look further on.
+    Take take = take_of(drift, 60);
+    Take some;
+    for (const std::size_t i : {0, 1, 2, 3, 4, 20, 50}) {
+        some.records.push_back(take.records[i]);
+        some.truth.push_back(take.truth[i]);
+    }
+    const auto solved = solve(some.records, {});
+    for (std::size_t i = 0; i < some.truth.size(); ++i) {
+        EXPECT_EQ(solved[i].outcome, FrameOutcome::found) << solved[i].frame;
+        EXPECT_LT(rim_deviation(solved[i].outline.value(), some.truth[i]), 1.0) << solved[i].frame;
+    }
+}
+
 TEST(Solve, TakesTheNoiseOutOfASlowMove) {
     for (const bool camera : {true, false}) {
         const Take take = take_of(drift, 60, camera);
