@@ -36,10 +36,7 @@ Light photo_light(const LightOptions& o, const MapOptions& map, const ColorConfi
     light.space = in_ball.space;
     light.layout = find_layout("latlong");
     light.to_world = photo_rotation(map, job.photo, o.photo.camera_axes, console);
-    // Twice as fine as the ball, so that nothing of it is lost by being looked up again.
-    const int size = std::min(4096, 2 * natural_size(in_ball.source, *light.layout));
-    light.pixels = resample(in_ball.source, *light.layout, size, {Filter::adaptive, light.to_world},
-                            console.watch("converting"));
+    light.pixels = light_map(in_ball, light.to_world, console.watch("converting"));
     if (!o.photo.cropped)
         light.photo = PhotoView{job.photo.display, job.camera.camera, ball, lens_blur(job)};
     return light;
@@ -64,6 +61,13 @@ Light read_light(const LightOptions& o, const MapOptions& map, const ColorConfig
     light.space = input.space;
     light.to_world = told_rotation(map).value_or(Rotation());
     return light;
+}
+
+Image light_map(const BallLight& light, const Rotation& to_world, const Watch& watch) {
+    const Layout& latlong = *find_layout("latlong");
+    // Twice as fine as the ball, so that nothing of it is lost by being looked up again.
+    const int size = std::min(4096, 2 * natural_size(light.source, latlong));
+    return resample(light.source, latlong, size, {Filter::adaptive, to_world}, watch);
 }
 
 std::optional<PhotoView> told_view(const PhotoOptions& options, Size size, const Console& console) {

@@ -49,6 +49,10 @@ void check_from(const std::string& from);
 Light read_light(const LightOptions& options, const MapOptions& map, const ColorConfig& colors,
                  const Console& console);
 
+/// What a photo's ball shows as a lat-long in the world's axes, as fine as pictures of things in
+/// its light can tell.
+Image light_map(const BallLight& light, const Rotation& to_world, const Watch& watch);
+
 /// The ball that the options tell of a picture of that size; nothing where they tell none. Throws
 /// Error.
 std::optional<PhotoView> told_view(const PhotoOptions& options, Size size, const Console& console);

@@ -23,6 +23,27 @@ void find_ball(const std::string& path, const LightOptions& o, const MapOptions&
 
 }  // namespace
 
+Image plate_pixels(const Photo& photo, const ColorOptions& color, const ColorConfig& colors,
+                   std::vector<std::string>& warnings) {
+    std::string warning;
+    const std::string space = colors.input_space(photo, color.input_space, &warning);
+    if (!warning.empty()) warnings.push_back(warning);
+    std::size_t bad = 0;
+    const Image pixels = colors.to_working(photo, space, std::nullopt, &bad);
+    if (bad > 0) warnings.push_back(bad_pixel_warning(photo.name, bad));
+    Image picture(photo.display, 4);
+    for (int y = 0; y < pixels.height(); ++y)
+        for (int x = 0; x < pixels.width(); ++x) {
+            const int px = x + photo.window.x, py = y + photo.window.y;
+            if (px < 0 || py < 0 || px >= photo.display.width || py >= photo.display.height)
+                continue;
+            float* to = picture.pixel(px, py);
+            std::copy_n(pixels.pixel(x, y), 3, to);
+            to[3] = pixels.channels() > 3 ? pixels.pixel(x, y)[3] : 1.0F;
+        }
+    return picture;
+}
+
 Plate read_plate(const std::string& path, const LightOptions& o, const Light& light,
                  const MapOptions& map, const ColorConfig& colors, const Console& console) {
     Plate plate;
@@ -35,22 +56,9 @@ Plate read_plate(const std::string& path, const LightOptions& o, const Light& li
     // Of a ball that is told only some rows were read.
     const Photo whole = read_photo(path, {o.photo.max_pixels, std::nullopt});
     plate.metadata = pass_through(whole.metadata);
-    std::string warning;
-    const std::string space = colors.input_space(whole, o.color.input_space, &warning);
-    if (!warning.empty()) console.warn(warning);
-    std::size_t bad = 0;
-    const Image pixels = colors.to_working(whole, space, std::nullopt, &bad);
-    if (bad > 0) console.warn(bad_pixel_warning(path, bad));
-    plate.pixels = Image(whole.display, 4);
-    for (int y = 0; y < pixels.height(); ++y)
-        for (int x = 0; x < pixels.width(); ++x) {
-            const int px = x + whole.window.x, py = y + whole.window.y;
-            if (px < 0 || py < 0 || px >= whole.display.width || py >= whole.display.height)
-                continue;
-            float* to = plate.pixels.pixel(px, py);
-            std::copy_n(pixels.pixel(x, y), 3, to);
-            to[3] = pixels.channels() > 3 ? pixels.pixel(x, y)[3] : 1.0F;
-        }
+    std::vector<std::string> warnings;
+    plate.pixels = plate_pixels(whole, o.color, colors, warnings);
+    for (const std::string& warning : warnings) console.warn(warning);
     return plate;
 }
 

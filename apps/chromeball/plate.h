@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "color/color.h"
 #include "console.h"
@@ -17,6 +18,11 @@ struct Plate {
     Rotation to_world;
     Metadata metadata;  ///< worth passing on
 };
+
+/// A photo as RGBA of its display window, in the working space; black and clear where it has no
+/// pixels. warnings: what is not as it should be. Throws Error.
+Image plate_pixels(const Photo& photo, const ColorOptions& color, const ColorConfig& colors,
+                   std::vector<std::string>& warnings);
 
 /// Reads a photo and finds its ball, or takes the one that the options tell. `light` is what was
 /// made of options.input: where that is the same photo, its ball is known. Throws Error.

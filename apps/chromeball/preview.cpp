@@ -232,15 +232,6 @@ void check_over(const PreviewCommand& o) {
             "--scene and --size do not go with it");
 }
 
-/// Makes an object as large as it is wanted in the plate.
-void scale(Scene& scene, double factor) {
-    for (Object& object : scene.objects) {
-        for (V3f& p : object.mesh.positions) p *= static_cast<float>(factor);
-        if (object.ball)
-            object.ball = Ball{object.ball->center * factor, object.ball->radius * factor};
-    }
-}
-
 void run_preview(const PreviewCommand& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);

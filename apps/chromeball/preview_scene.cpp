@@ -126,6 +126,20 @@ void check_scene_options(const SceneOptions& o) {
     if (o.scene && o.set) refuse("--scene and --set contradict each other; give one");
 }
 
+Scene object_file(const std::string& path, const SceneOptions& o, std::vector<std::string>& notes) {
+    Scene scene;
+    scene.objects.push_back({path, load_mesh(path, notes), std::nullopt, material_of(o)});
+    return scene;
+}
+
+void scale(Scene& scene, double factor) {
+    for (Object& object : scene.objects) {
+        for (V3f& p : object.mesh.positions) p *= static_cast<float>(factor);
+        if (object.ball)
+            object.ball = Ball{object.ball->center * factor, object.ball->radius * factor};
+    }
+}
+
 Mesh page_mesh(const SceneOptions& o, const Console& console) {
     // About a third of a megabyte for the bean.
     constexpr double kDetail = 0.4;

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "console.h"
 #include "render/scene.h"
@@ -29,6 +30,13 @@ void check_scene_options(const SceneOptions& options);
 /// Within the unit sphere around the origin; a set of spheres with radius 1 each; a file's scene in
 /// its own frame. Throws Error.
 Scene scene_of(const SceneOptions& options, const Console& console);
+
+/// A mesh file's object in its own frame and units; notes: what was repaired. Throws Error.
+Scene object_file(const std::string& path, const SceneOptions& options,
+                  std::vector<std::string>& notes);
+
+/// Makes all objects larger.
+void scale(Scene& scene, double factor);
 
 /// The mesh alone, as coarse as a page can be that is sent around. Throws Error.
 Mesh page_mesh(const SceneOptions& options, const Console& console);

@@ -177,6 +177,7 @@ void add_shot(CLI::App& app) {
         ->type_name("FILE.json");
     add_map_options(*command, o->map);
     add_stage_options(*command, *o);
+    add_insert_options(*command, o->insert);
     add_farm_options(*command, o->farm);
     add_status_option(*command);
     add_photo_options(*command, o->photo);
@@ -190,6 +191,8 @@ void add_shot(CLI::App& app) {
         "--size 512\n"
         "  chromeball shot 'plates/sh010.####.exr' -o 'probes/sh010.####' --layout faces --report "
         "sh010.html\n"
+        "  chromeball shot 'plates/sh010.####.exr' -o 'probes/sh010.####.exr' --insert "
+        "'creature.####.obj' --insert-output 'comp/sh010.####.exr' --patch\n"
         "  chromeball shot clip.mov -o 'probes/clip.####.exr' --hfov 40 --missing interpolate");
     command->callback([o] { run_shot(*o); });
 }

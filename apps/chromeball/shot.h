@@ -19,6 +19,7 @@
 #include "shot/records.h"
 #include "shot/solve.h"
 #include "shot_farm.h"
+#include "shot_insert.h"
 #include "shot_plates.h"
 
 namespace chromeball {
@@ -41,6 +42,7 @@ struct ShotOptions {
     std::vector<std::string> reports;
     int jobs = 0;  ///< 0: one a processor
     FarmOptions farm;
+    InsertOptions insert;
     bool overwrite = false;
 };
 
@@ -69,8 +71,9 @@ struct Shot {
     SolveOptions solving;
     std::string work;  ///< folder of the stages' files
     int jobs = 1;
-    // Hashes of what each stage depends on, besides the plates.
-    std::string track_settings, solve_settings, map_settings;
+    // Hashes of what each stage depends on, besides the plates; convert: the map, and what is put
+    // into the plate.
+    std::string track_settings, solve_settings, map_settings, convert_settings;
     mutable SharedWarnings warnings;
 
     OutputPlan plan_of(int frame) const;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <memory>
 #include <set>
 
 #include "io/facts.h"
@@ -13,6 +14,8 @@
 #include "resample/resample.h"
 #include "shot.h"
 #include "shot/workers.h"
+#include "shot_frame.h"
+#include "shot_insert.h"
 #include "stop.h"
 
 namespace chromeball {
@@ -65,12 +68,7 @@ public:
     std::string fingerprint(const SolvedFrame& frame) const {
         std::string words = fmt::format("{} {}\n", shot_.map_settings, size_);
         if (solved_.head.focal) words += fmt::format("focal {}\n", *solved_.head.focal);
-        for (const SolvedFrame* one : averaged(frame)) {
-            const Outline& o = *one->outline;
-            words += fmt::format("{} {} {} {} {} {} {} {}\n", one->frame,
-                                 shot_.plates->digest(one->frame), o.cx, o.cy, o.a, o.b, o.angle,
-                                 one->lens_blur);
-        }
+        for (const SolvedFrame* one : averaged(frame)) words += words_of(shot_, *one);
         return hash_of(words);
     }
 
@@ -83,8 +81,7 @@ public:
             files.assign(faces.begin(), faces.end());
         }
         return std::all_of(files.begin(), files.end(), [&](const std::string& file) {
-            remove_leftover(file);
-            return newer_than_plate(file, frame.frame) && is_whole(file, fingerprint, plan.format);
+            return chromeball::is_current(shot_, frame.frame, file, fingerprint, plan.format);
         });
     }
 
@@ -141,77 +138,14 @@ private:
         return averaged_for(frame, solved_, shot_.options.smooth_frames);
     }
 
-    bool newer_than_plate(const std::string& file, int frame) const {
-        std::error_code error;
-        const auto made = fs::last_write_time(file, error);
-        if (error) return false;
-        const auto plate = fs::last_write_time(shot_.plates->file(frame), error);
-        return error || made >= plate;
-    }
-
-    bool is_whole(const std::string& file, const std::string& fingerprint,
-                  FileFormat format) const {
-        try {
-            const Photo header = read_header(file);
-            const auto past = provenance_from(header.metadata);
-            if (!past || past->fingerprint != fingerprint) return false;
-            // The reader holds an EXR against its table of contents; others show it by being read.
-            if (format != FileFormat::exr) read_photo(file);
-            return true;
-        } catch (const Error&) {
-            return false;
-        }
-    }
-
-    /// The frame's photo, as far as it is needed, with the solved outline as its ball.
-    PhotoJob job_of(const SolvedFrame& frame) const {
-        const PhotoOptions options = shot_.photo_options(frame.frame);
-        if (options.cropped)
-            return open_photo(shot_.plates->file(frame.frame), options,
-                              {&stop_requested(), nullptr});
-        // The reader cuts the rows to those that there are.
-        constexpr Window kAnywhere{-(1 << 28), -(1 << 28), {1 << 29, 1 << 29}};
-        const Window needed = needed_window(*frame.outline, kAnywhere);
-        PhotoJob job;
-        job.photo = shot_.plates->read(
-            frame.frame, {options.max_pixels, std::pair(needed.y, needed.y + needed.size.height)});
-        job.camera = choose_camera(options, job.photo);
-        if (!job.camera.told && solved_.head.focal) {
-            job.camera.camera.focal = solved_.head.focal;
-            job.camera.source = "estimated from the outlines";
-            job.camera.told = true;
-        }
-        job.ball.found = true;
-        job.ball.outline = *frame.outline;
-        job.ball.how = "solved";
-        if (!job.camera.note.empty()) job.warnings.push_back(job.camera.note);
-        if (!job.camera.told)
-            job.warnings.push_back(unknown_lens_warning(job.photo.name, ", --cameras"));
-        return job;
-    }
-
-    Rotation to_world(const Photo& photo, int frame) const {
-        if (const auto told = told_rotation(shot_.options.map)) return *told;
-        const auto camera = shot_.cameras.find(frame);
-        if (camera != shot_.cameras.end() && camera->second.to_world)
-            return *camera->second.to_world;
-        if (!photo.metadata.find("worldToCamera")) return {};
-        const auto rotation = rotation_from_metadata(photo, shot_.options.photo.camera_axes);
-        if (!rotation)
-            shot_.warnings.add(photo.name,
-                               "its worldToCamera is no rotation and is not used; give "
-                               "--camera-to-world or --cameras");
-        return rotation.value_or(Rotation());
-    }
-
     FrameMap single_map(const SolvedFrame& frame) const {
-        PhotoJob job = job_of(frame);
+        PhotoJob job = solved_job(shot_, solved_.head, frame);
         const MirrorBall ball = projection_of(job);
         BallLight light = ball_light(job, ball, frame.lens_blur, shot_.options.photo.cropped,
                                      shot_.options.color, shot_.options.map, *shot_.colors);
         FrameMap result;
-        const ResampleOptions how =
-            resampling(shot_.options.map, shot_.plan, to_world(job.photo, frame.frame));
+        const ResampleOptions how = resampling(shot_.options.map, shot_.plan,
+                                               frame_to_world(shot_, job.photo, frame.frame));
         result.map =
             resample(light.source, *shot_.plan.layout, size_, how, {&stop_requested(), nullptr});
         result.rotation = how.rotation;
@@ -247,38 +181,49 @@ class Converter {
 public:
     Converter(const Shot& shot, const SolvedShot& solved)
         : shot_(shot), conversion_(shot, solved), file_(shot.stage_file("convert")) {
+        if (shot.options.insert.mesh) insert_ = std::make_unique<Insert>(shot, solved.head);
         for (const auto& [frame, record] : convert_records(shot))
             if (record.written) written_.insert(frame);
     }
 
     const Conversion& conversion() const { return conversion_; }
 
-    void convert(const SolvedFrame& frame, const std::string& fingerprint) {
+    /// Makes what of a frame is not there yet. False where all of it was.
+    bool convert(const SolvedFrame& frame) {
         const auto start = Clock::now();
         ConvertRecord record;
         record.frame = frame.frame;
-        record.settings = shot_.map_settings;
+        record.settings = shot_.convert_settings;
+        bool made = true;
         try {
-            FrameMap map = conversion_.map_of(frame);
-            write(frame, std::move(map), fingerprint, record);
+            made = make_map(frame, record);
+            if (insert_ && record.written) made = put_object(frame, record) || made;
         } catch (const GivenUp&) {
             throw;
         } catch (const Error& e) {
             if (e.kind() == Error::Kind::interrupted) throw;
+            record.written = false;
             record.message = e.what();
         } catch (const std::bad_alloc&) {
+            record.written = false;
             record.message = "not enough memory; use fewer --jobs or a smaller --size";
+        }
+        if (record.written && !made) {
+            skip(frame.frame);
+            return false;
         }
         record.seconds = std::chrono::duration<double>(Clock::now() - start).count();
         note(record);
+        return true;
     }
 
+private:
     /// A frame that is there already; an earlier run may have been killed before it said so.
     void skip(int frame) {
         if (written_.contains(frame)) return;
         ConvertRecord record;
         record.frame = frame;
-        record.settings = shot_.map_settings;
+        record.settings = shot_.convert_settings;
         record.written = true;
         note(record);
     }
@@ -288,13 +233,34 @@ public:
         append_line(file_, to_line(record));
     }
 
-private:
-    void write(const SolvedFrame& frame, FrameMap map, const std::string& fingerprint,
-               ConvertRecord& record) {
+    /// Whether it had to.
+    bool make_map(const SolvedFrame& frame, ConvertRecord& record) {
+        const std::string fingerprint = conversion_.fingerprint(frame);
+        record.written = !shot_.options.overwrite && conversion_.is_current(frame, fingerprint);
+        if (record.written) return false;
+        FrameMap map = conversion_.map_of(frame);
+        write(frame, record, [&] { return conversion_.write(frame, std::move(map), fingerprint); });
+        return true;
+    }
+
+    /// The same of the plate with an object in it; the frame counts as written with both.
+    bool put_object(const SolvedFrame& frame, ConvertRecord& record) {
+        record.written = false;
+        const std::string fingerprint = insert_->fingerprint(frame);
+        record.written = !shot_.options.overwrite && insert_->is_current(frame, fingerprint);
+        if (record.written) return false;
+        auto picture = insert_->picture(frame);
+        write(frame, record,
+              [&] { return insert_->write(frame, std::move(picture), fingerprint); });
+        return true;
+    }
+
+    /// file: writes it and gives the warnings.
+    template <class File>
+    void write(const SolvedFrame& frame, ConvertRecord& record, const File& file) {
         const std::string name = shot_.plates->name(frame.frame);
         try {
-            for (const std::string& one : conversion_.write(frame, std::move(map), fingerprint))
-                shot_.warnings.add(name, one);
+            for (const std::string& one : file()) shot_.warnings.add(name, one);
             record.written = true;
             unwritten_ = 0;
         } catch (const Error& e) {
@@ -307,6 +273,7 @@ private:
 
     const Shot& shot_;
     Conversion conversion_;
+    std::unique_ptr<Insert> insert_;  ///< none: no object is asked for
     std::string file_;
     std::set<int> written_;  ///< by earlier runs, as their records say
     std::mutex lock_;
@@ -329,14 +296,7 @@ void run_convert(const Shot& shot, const SolvedShot& solved) {
     for_each_frame(
         todo.size(), shot.jobs,
         [&](std::size_t i) {
-            const std::string fingerprint = converter.conversion().fingerprint(*todo[i]);
-            if (!shot.options.overwrite &&
-                converter.conversion().is_current(*todo[i], fingerprint)) {
-                converter.skip(todo[i]->frame);
-                ++skipped;
-            } else {
-                converter.convert(*todo[i], fingerprint);
-            }
+            if (!converter.convert(*todo[i])) ++skipped;
         },
         {&stop_requested(), nullptr}, progress);
     if (skipped > 0)

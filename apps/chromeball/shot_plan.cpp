@@ -261,11 +261,15 @@ std::unique_ptr<Shot> plan_shot(const ShotOptions& o) {
     check_inputs_are_safe(*shot);
     check_folder(*shot);
     check_reports(*shot);
+    check_insert_options(*shot);
     shot->jobs =
         o.jobs > 0 ? o.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     shot->track_settings = hash_of(track_words(o));
     shot->solve_settings = hash_of(track_words(o) + solve_words(o));
     shot->map_settings = hash_of(track_words(o) + map_words(o, shot->plan));
+    const std::string inserted = insert_words(o.insert);
+    shot->convert_settings =
+        inserted.empty() ? shot->map_settings : hash_of(shot->map_settings + inserted);
     shot->work = work_folder(*shot);
     for (const char* stage : {"track", "convert"})
         make_folder((fs::path(shot->work) / stage).string());

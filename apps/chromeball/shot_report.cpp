@@ -130,7 +130,7 @@ std::map<int, ConvertRecord> convert_records(const Shot& shot) {
     std::map<int, ConvertRecord> records;
     for_each_line(shot.stage_text("convert"), [&](std::string_view line) {
         auto record = convert_record_from(line);
-        if (record && record->settings == shot.map_settings)
+        if (record && record->settings == shot.convert_settings)
             records[record->frame] = std::move(*record);
     });
     return records;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <map>
@@ -299,6 +300,123 @@ TEST(Shot, HoldsSkipsOrInterpolatesFramesWithoutABall) {
     EXPECT_EQ(run(folder, shot("skipped", {"--report", "s.json", "--missing", "skip"})).status, 3);
     EXPECT_EQ(outcomes(report_in(folder, "s.json")).at(1008), "missing");
     EXPECT_EQ(results(folder, "skipped").size(), plates().size() - 1);
+}
+
+/// `shot` that puts an object into the plates, too.
+Words insert(const std::string& out, const std::string& mesh, const Words& more = {}) {
+    return shot(
+        out, with({"--insert", mesh, "--insert-output", out + "/comp.####.exr", "--samples", "4"},
+                  more));
+}
+
+std::string comp(const TempFolder& folder, int frame) {
+    return folder / fmt::format("out/comp.{}.exr", frame);
+}
+
+/// A box around the ball's middle, in ball radii, open to all sides of the ball.
+std::string box(double half_width, double half_height) {
+    std::string text;
+    for (int i = 0; i < 8; ++i)
+        text += fmt::format("v {} {} {}\n", i & 1 ? half_width : -half_width,
+                            i & 2 ? half_height : -half_height, i & 4 ? 0.5 : -0.5);
+    return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+/// Mean differences of x / (1 + x) between a picture and the plate: within so many radii of the
+/// ball, and outside of it.
+struct Differences {
+    double inside = 0, outside = 0;
+};
+Differences differences(const TempFolder& folder, int frame) {
+    const Image a = read_floats(comp(folder, frame)), b = read_floats(folder / plate_name(frame));
+    const Outline ball = scene(frame).outline();
+    Differences sum;
+    int inside = 0, outside = 0;
+    for (int y = 0; y < a.height(); ++y)
+        for (int x = 0; x < a.width(); ++x) {
+            const double r = std::hypot(x + 0.5 - ball.cx, y + 0.5 - ball.cy) / ball.a;
+            if (r > 0.9 && r < 1.15) continue;  // a pixel or two of the rim
+            double off = 0;
+            for (int c = 0; c < 3; ++c) {
+                const auto u = static_cast<double>(a.pixel(x, y)[c]);
+                const auto v = static_cast<double>(b.pixel(x, y)[c]);
+                off += std::abs(u / (1 + u) - v / (1 + v)) / 3;
+            }
+            (r < 1 ? sum.inside : sum.outside) += off;
+            ++(r < 1 ? inside : outside);
+        }
+    return {sum.inside / inside, sum.outside / outside};
+}
+
+TEST(Shot, PutsAMirrorInTheBallsPlaceThatLooksLikeIt) {
+    // The same pictures, but for resampling: a mirrored, turned or misplaced object is far off.
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const Outcome outcome = run(folder, insert("out", "sphere"));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(results(folder, "out"), expected());  // the maps are what they are without it
+    for (const int frame : {1005, 1009, 1012}) {
+        const Differences off = differences(folder, frame);
+        EXPECT_LT(off.inside, 0.03) << frame;
+        EXPECT_LT(off.outside, 1e-3) << frame;  // half floats
+    }
+    const std::string one = read_bytes(comp(folder, 1010));
+    ASSERT_EQ(run(folder, insert("out", "sphere", {"--overwrite", "--jobs", "1"})).status, 0);
+    EXPECT_EQ(read_bytes(comp(folder, 1010)), one);
+}
+
+TEST(Shot, PutsAnAnimatedObjectIntoThePlatesFrameByFrame) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    for (int frame = kFirst; frame <= kLast; ++frame)
+        write_bytes(folder / fmt::format("box.{}.obj", frame),
+                    box(1.2 + 0.1 * (frame - kFirst), 1.2));
+    fs::remove(folder / "box.1007.obj");
+    const Words words = insert("out", "box.####.obj", {"--material", "diffuse"});
+    const Outcome outcome = run(folder, words);
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_TRUE(outcome.says("box.1007.obj")) << outcome.err;
+    EXPECT_EQ(results(folder, "out"), expected());  // its map can be made
+    EXPECT_FALSE(exists(comp(folder, 1007)));
+
+    // What is mended or changed is made, the rest stays.
+    std::map<int, fs::file_time_type> dates;
+    for (const int frame : {1005, 1006, 1008, 1012})
+        dates[frame] = fs::last_write_time(comp(folder, frame));
+    write_bytes(folder / "box.1007.obj", box(1.4, 1.2));
+    write_bytes(folder / "box.1008.obj", box(2, 1.2));
+    ASSERT_EQ(run(folder, words).status, 0);
+    EXPECT_TRUE(exists(comp(folder, 1007)));
+    for (const auto& [frame, date] : dates)
+        EXPECT_EQ(fs::last_write_time(comp(folder, frame)) == date, frame != 1008) << frame;
+    // Other settings, other pictures; the maps stay.
+    const std::string before = read_bytes(comp(folder, 1005));
+    const auto map = fs::last_write_time(folder / "out/probe.1005.exr");
+    ASSERT_EQ(run(folder, with(words, {"--scale", "0.5", "--patch"})).status, 0);
+    EXPECT_NE(read_bytes(comp(folder, 1005)), before);
+    EXPECT_EQ(fs::last_write_time(folder / "out/probe.1005.exr"), map);
+}
+
+TEST(Shot, RefusesObjectsThatHaveNoPlace) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const std::pair<Words, std::string> wrong[] = {
+        {{"--insert", "bean"}, "--insert-output"},
+        {{"--insert", "bean", "--insert-output", "out/comp.exr"}, "place for the frame's number"},
+        {{"--insert", "bean", "--insert-output", "out/probe.####.exr"}, "would replace the maps"},
+        {{"--insert", "bean", "--insert-output", "plate.####.exr"}, "plate"},
+        {{"--insert", "bena", "--insert-output", "out/c.####.exr"}, "bean"},
+        {{"--insert", "bean", "--insert-output", "out/c.####.exr", "--material", "gold?"}, "gold"},
+        {{"--patch"}, "--insert"}};
+    for (const auto& [words, said] : wrong) {
+        const Outcome outcome = run(folder, shot("out", words));
+        EXPECT_EQ(outcome.status, 2) << text_of(words) << outcome.err;
+        EXPECT_TRUE(outcome.says(said)) << text_of(words) << outcome.err;
+    }
+    EXPECT_TRUE(visible(folder, "out").empty());
 }
 
 TEST(Shot, TakesKeysForGranted) {
