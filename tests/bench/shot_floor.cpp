@@ -5,6 +5,7 @@
 //
 // One thread; CPU time is what counts. PATTERN: plates/p.####.exr.
 
+#include <Imath/half.h>
 #include <fmt/format.h>
 
 #include <cstdlib>
