@@ -10,9 +10,9 @@
 #include "core/photo.h"
 #include "io/probe.h"
 
-// The doors behind read.cpp: for OpenEXR, for PNG, and for everything else. What is declared here
-// shows no third-party type, so that the second (whose library is slow to load) is a module:
-// oiio_module.h.
+// The doors behind read.cpp: for OpenEXR, for PNG, for JPEG, and for everything else. What is
+// declared here shows no third-party type, so that the last one (whose library is slow to load) is
+// a module: oiio_module.h.
 
 namespace chromeball::io {
 
@@ -28,7 +28,12 @@ struct DecodeRequest {
 /// Decodes an OpenEXR file with OpenEXR alone.
 Photo decode_exr(const std::string& path, const FileProbe& probe, const DecodeRequest& request);
 
-/// Decodes a PNG with libpng alone; nothing where it holds EXIF or XMP, which OpenImageIO knows.
+/// Decodes a JPEG with libjpeg alone; nothing where it holds more than EXIF (XMP, IPTC, comments)
+/// or colours other than grey and RGB, which OpenImageIO knows.
+std::optional<Photo> decode_jpeg(const std::string& path, const FileProbe& probe,
+                                 const DecodeRequest& request);
+
+/// Decodes a PNG with libpng alone; nothing where it holds XMP, which OpenImageIO knows.
 std::optional<Photo> decode_png(const std::string& path, const FileProbe& probe,
                                 const DecodeRequest& request);
 
@@ -53,5 +58,11 @@ void check_size(const std::string& path, std::int64_t width, std::int64_t height
 /// holds (possibly none), in the coordinates of `stored`.
 std::pair<int, int> wanted_rows(const Window& stored,
                                 const std::optional<std::pair<int, int>>& rows);
+
+/// Rows first to last, in the display window's coordinates, of a photo, without its facts, to be
+/// filled.
+Photo band_of(const Photo& photo, int first, int last);
+/// So many at a time, where files are decoded from the top.
+constexpr int kBandRows = 64;
 
 }  // namespace chromeball::io

@@ -20,6 +20,7 @@
 
 #include "core/parallel.h"
 #include "io/bytes.h"
+#include "io/decoders.h"
 #include "io/input_file.h"
 #include "io/isal.h"
 #include "io/messages.h"
@@ -201,22 +202,6 @@ private:
     std::vector<std::uint16_t> words_;
 };
 
-/// Rows first to last of a photo, without its facts, to be filled.
-Photo band_of(const Photo& photo, int first, int last) {
-    Photo band;
-    band.name = photo.name;
-    band.type = photo.type;
-    band.channels = photo.channels;
-    band.window = photo.window;
-    band.window.y += first;
-    band.window.size.height = last - first;
-    band.display = photo.display;
-    band.associated_alpha = photo.associated_alpha;
-    band.pixels.resize(band.window.size.pixels() * bytes_per_value(band.type) *
-                       static_cast<std::size_t>(band.channels));
-    return band;
-}
-
 }  // namespace
 
 bool can_decode_zip(const Imf::Header& header, const std::vector<std::string>& channels,
@@ -252,7 +237,8 @@ void decode_zip(const Imf::Header& header, const ChunkTable& chunks,
         if (bands) {
             band_first = std::max(first, rows.top + (begin + from) * rows.together);
             const int band_last = std::min(last, rows.top + (begin + to) * rows.together);
-            band = band_of(photo, band_first - first, band_last - first);
+            band = band_of(photo, photo.window.y + band_first - first,
+                           photo.window.y + band_last - first);
         }
         ChunkReader reader(photo.name, ::fileno(file.get()), chunks, rows);
         for (int i = from; i < to; ++i)

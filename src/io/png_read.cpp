@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <png.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <csetjmp>
@@ -8,8 +9,10 @@
 
 #include "io/bytes.h"
 #include "io/decoders.h"
+#include "io/exif.h"
 #include "io/input_file.h"
 #include "io/messages.h"
+#include "io/orient.h"
 
 namespace chromeball::io {
 namespace {
@@ -74,15 +77,21 @@ Texts texts_of(const Reader& reader) {
     return texts;
 }
 
-/// Whether there is EXIF or XMP, as a chunk or as a text: OpenImageIO knows their tags.
-bool holds_exif(const Reader& reader) {
-    if (png_get_valid(reader.png(), reader.info(), PNG_INFO_eXIf)) return true;
+/// Whether there is XMP, or EXIF as a text: OpenImageIO knows their tags.
+bool is_special(const Reader& reader) {
     const Texts texts = texts_of(reader);
     for (int i = 0; i < texts.count; ++i) {
         const std::string_view key = texts.first[i].key;
         if (key == "XML:com.adobe.xmp" || key == "Raw profile type exif") return true;
     }
     return false;
+}
+
+Exif exif_of(const Reader& reader) {
+    png_bytep data = nullptr;
+    png_uint_32 length = 0;
+    if (!png_get_eXIf_1(reader.png(), reader.info(), &length, &data)) return {};
+    return read_exif({reinterpret_cast<const std::byte*>(data), length});
 }
 
 /// Texts under the names that OpenImageIO gives them.
@@ -132,7 +141,8 @@ bool read_info(Reader& reader) {
     });
 }
 
-Photo describe(const std::string& path, const FileProbe& probe, const Reader& reader) {
+Photo describe(const std::string& path, const FileProbe& probe, const Reader& reader,
+               const Exif& exif) {
     Photo photo;
     photo.name = path;
     photo.display = {static_cast<int>(png_get_image_width(reader.png(), reader.info())),
@@ -143,22 +153,33 @@ Photo describe(const std::string& path, const FileProbe& probe, const Reader& re
     photo.channels = png_get_channels(reader.png(), reader.info());
     photo.associated_alpha = false;
     photo.color = color_tag_of(reader, probe);
-    photo.metadata = metadata_of(reader);
+    if (photo.color.space.empty() && exif.srgb) photo.color.space = "sRGB";
+    photo.metadata = exif.metadata;
+    const Metadata texts = metadata_of(reader);
+    for (const Attribute& text : texts.all()) photo.metadata.set(text);
     return photo;
 }
 
-/// Rows first to last; those above have to be decoded too, those below are not.
-bool read_rows(Reader& reader, int first, int last, std::size_t row_bytes, std::byte* out) {
-    std::vector<std::byte> skipped(first > 0 ? row_bytes : 0);
-    png_bytep unwanted = reinterpret_cast<png_bytep>(skipped.data());
+bool interlaced(const Reader& reader) {
+    return png_get_interlace_type(reader.png(), reader.info()) != PNG_INTERLACE_NONE;
+}
+
+/// The next rows.
+bool read_rows(Reader& reader, int count, std::size_t row_bytes, std::byte* out) {
     return reader.run([=](png_structp png, png_infop) {
-        for (int y = 0; y < first; ++y) png_read_row(png, unwanted, nullptr);
-        for (int y = first; y < last; ++y)
-            png_read_row(
-                png,
-                reinterpret_cast<png_bytep>(out + static_cast<std::size_t>(y - first) * row_bytes),
-                nullptr);
+        for (int y = 0; y < count; ++y)
+            png_read_row(png,
+                         reinterpret_cast<png_bytep>(out + static_cast<std::size_t>(y) * row_bytes),
+                         nullptr);
     });
+}
+
+/// Rows above the wanted ones have to be decoded, too, those below have not.
+bool skip_rows(Reader& reader, int count, std::size_t row_bytes) {
+    std::vector<std::byte> unwanted(row_bytes);
+    for (int y = 0; y < count; ++y)
+        if (!read_rows(reader, 1, row_bytes, unwanted.data())) return false;
+    return true;
 }
 
 /// The same where rows come in several passes over the whole picture.
@@ -177,18 +198,34 @@ bool read_interlaced(Reader& reader, int height, int first, int last, std::size_
     return good;
 }
 
+Error damaged(const Reader& reader, const Photo& photo) {
+    return failure(photo.name, fmt::format("truncated or damaged: {}; copy or export it again",
+                                           reader.complaint()));
+}
+
 void read_pixels(Reader& reader, Photo& photo) {
     const int first = photo.window.y, last = first + photo.window.size.height;
     const std::size_t row_bytes = png_get_rowbytes(reader.png(), reader.info());
-    const bool interlaced =
-        png_get_interlace_type(reader.png(), reader.info()) != PNG_INTERLACE_NONE;
     photo.pixels.resize(static_cast<std::size_t>(last - first) * row_bytes);
-    const bool good = interlaced ? read_interlaced(reader, photo.display.height, first, last,
-                                                   row_bytes, photo.pixels)
-                                 : read_rows(reader, first, last, row_bytes, photo.pixels.data());
-    if (!good)
-        throw failure(photo.name, fmt::format("truncated or damaged: {}; copy or export it again",
-                                              reader.complaint()));
+    const bool good =
+        interlaced(reader)
+            ? read_interlaced(reader, photo.display.height, first, last, row_bytes, photo.pixels)
+            : skip_rows(reader, first, row_bytes) &&
+                  read_rows(reader, last - first, row_bytes, photo.pixels.data());
+    if (!good) throw damaged(reader, photo);
+}
+
+void read_bands(Reader& reader, const Photo& photo,
+                const std::function<void(const Photo& band)>& take) {
+    const std::size_t row_bytes = png_get_rowbytes(reader.png(), reader.info());
+    if (!skip_rows(reader, photo.window.y, row_bytes)) throw damaged(reader, photo);
+    const int last = photo.window.y + photo.window.size.height;
+    for (int y = photo.window.y; y < last; y += kBandRows) {
+        Photo band = band_of(photo, y, std::min(last, y + kBandRows));
+        if (!read_rows(reader, band.window.size.height, row_bytes, band.pixels.data()))
+            throw damaged(reader, photo);
+        take(band);
+    }
 }
 
 }  // namespace
@@ -203,12 +240,22 @@ std::optional<Photo> decode_png(const std::string& path, const FileProbe& probe,
         throw failure(path, fmt::format("cannot be read as png: {}; damaged or truncated: copy or "
                                         "export it again",
                                         reader.complaint()));
-    if (holds_exif(reader)) return std::nullopt;
-    Photo photo = describe(path, probe, reader);
-    const auto [first, last] = wanted_rows(photo.window, request.rows);
+    if (is_special(reader)) return std::nullopt;
+    const Exif exif = exif_of(reader);
+    Photo photo = describe(path, probe, reader, exif);
+    const auto rows = stored_rows(request.rows, exif.orientation, photo.display.height);
+    const auto [first, last] = wanted_rows(photo.window, rows);
     photo.window.y = first;
     photo.window.size.height = last - first;
-    if (!request.header_only && first < last) read_pixels(reader, photo);
+    if (!request.header_only && first < last) {
+        const bool upright = exif.orientation == 1 && !interlaced(reader);
+        if (request.bands && upright) {
+            read_bands(reader, photo, request.bands);
+            return photo;
+        }
+        read_pixels(reader, photo);
+    }
+    make_upright(photo, exif.orientation);
     return photo;
 }
 

@@ -17,6 +17,8 @@ Photo read(const std::string& path, const io::DecodeRequest& request) {
         if (probe.exr) return io::decode_exr(path, probe, request);
         if (probe.plugin == "png")
             if (auto photo = io::decode_png(path, probe, request)) return std::move(*photo);
+        if (probe.plugin == "jpeg")
+            if (auto photo = io::decode_jpeg(path, probe, request)) return std::move(*photo);
         return io::decode_with_oiio(path, probe, request);
     } catch (const Error&) {
         throw;

@@ -31,4 +31,19 @@ std::pair<int, int> wanted_rows(const Window& stored,
     return {first, std::clamp(rows->second, first, all.second)};
 }
 
+Photo band_of(const Photo& photo, int first, int last) {
+    Photo band;
+    band.name = photo.name;
+    band.type = photo.type;
+    band.channels = photo.channels;
+    band.window = photo.window;
+    band.window.y = first;
+    band.window.size.height = last - first;
+    band.display = photo.display;
+    band.associated_alpha = photo.associated_alpha;
+    band.pixels.resize(band.window.size.pixels() * bytes_per_value(band.type) *
+                       static_cast<std::size_t>(band.channels));
+    return band;
+}
+
 }  // namespace chromeball::io
