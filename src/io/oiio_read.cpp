@@ -323,6 +323,21 @@ void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& 
         keep_channels(photo.pixels, chosen, spec.nchannels, value);
 }
 
+/// The photo's window, from the stored row `top` on, in whole tiles or strips.
+void decode_bands(const std::string& path, ImageInput& input, const ImageSpec& spec, int top,
+                  const Photo& photo, const std::function<void(const Photo& band)>& take) {
+    const int together = rows_together(spec);
+    const int rows = (kBandRows + together - 1) / together * together;
+    const int last = photo.window.y + photo.window.size.height;
+    for (int y = photo.window.y; y < last;) {
+        const int end = std::min(last, top + ((y - top) / rows + 1) * rows);
+        Photo band = band_of(photo, y, end);
+        decode_pixels(path, input, spec, y - top, end - top, band);
+        take(band);
+        y = end;
+    }
+}
+
 }  // namespace
 
 Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request) {
@@ -341,7 +356,11 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     const int top = photo.window.y;
     photo.window.y = first;
     photo.window.size.height = last - first;
-    if (!request.header_only && first < last)
+    // RAW is developed as a whole anyway.
+    const bool in_bands = request.bands && orientation == 1 && !probe.raw;
+    if (!request.header_only && in_bands)
+        decode_bands(path, *input, spec, top, photo, request.bands);
+    else if (!request.header_only && first < last)
         decode_pixels(path, *input, spec, first - top, last - top, photo);
     if (!request.header_only && last - first < spec.height)
         check_outermost_rows(path, probe, *input, spec);
