@@ -80,7 +80,9 @@ float fitted(float value, Range range, WriteReport& report) {
     constexpr std::uint32_t kExponent = 0x7f800000u;  // all set: NaN or infinite
     const bool finite = (std::bit_cast<std::uint32_t>(value) & kExponent) != kExponent;
     report.repaired += !finite;
-    report.clamped += finite && value > range.high;
+    // What rounding leaves above, of a mean of ones or an alpha, is nobody's loss.
+    constexpr float kRounding = 1.00001F;
+    report.clamped += finite && value > range.high * kRounding;
     const float repaired = finite ? value : value > 0 ? range.high : 0;  // NaN is not above 0
     return std::min(std::max(repaired, range.low), range.high);
 }
