@@ -203,7 +203,7 @@ Insert::Picture Insert::picture(const SolvedFrame& frame) const {
     const View view = View::of_ball(result.pixels.size(), job.camera.camera, ball, to_world);
     const Image object = preview(model.scene, model.tracer, environment, view,
                                  {.samples = o.samples}, nullptr, watch);
-    if (o.patch) paint_out(result.pixels, ball.outline());
+    if (o.patch) paint_out(result.pixels, ball.outline(), frame.lens_blur);
     lay_over(result.pixels, object);
     return result;
 }
