@@ -66,15 +66,31 @@ def make_frames(plate, folder, codec, count):
     return scale
 
 
-def timed(words, **more):
+def peak_mib(pid):
+    """The largest resident set so far; wait4's would be at least that of this very script."""
+    try:
+        lines = pathlib.Path("/proc/%d/status" % pid).read_text().splitlines()
+        return next((int(l.split()[1]) / 1024 for l in lines if l.startswith("VmHWM")), 0)
+    except OSError:
+        return 0
+
+
+def timed(words):
     """Wall seconds, CPU seconds and the largest resident set, MiB, of a process."""
-    start = time.time()
-    process = subprocess.Popen([str(w) for w in words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **more)
-    out, err = process.stdout.read(), process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    if status:
-        raise RuntimeError("%s: status %d: %s" % (words[0], status, err[-500:]))
-    return {"wall": time.time() - start, "cpu": usage.ru_utime + usage.ru_stime, "mib": usage.ru_maxrss / 1024, "out": out}
+    start, peak = time.time(), 0
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        process = subprocess.Popen([str(w) for w in words], stdout=out, stderr=err)
+        pid = 0
+        while not pid:
+            peak = max(peak, peak_mib(process.pid))
+            time.sleep(0.01)
+            pid, status, usage = os.wait4(process.pid, os.WNOHANG)
+        seconds = time.time() - start
+        process.returncode = status
+        out.seek(0), err.seek(0)
+        if status:
+            raise RuntimeError("%s: status %d: %s" % (words[0], status, err.read()[-500:]))
+        return {"wall": seconds, "cpu": usage.ru_utime + usage.ru_stime, "mib": peak, "out": out.read()}
 
 
 def shot(args, plates, frames, out, jobs, *more):
