@@ -334,8 +334,7 @@ double misfit(const Raster& reference, const Raster& other, int dx, int dy,
             if (i < 0 || j < 0 || i >= other.size.width || j >= other.size.height) continue;
             const std::size_t there = other.at(i, j);
             if (!(other.weight[there] > 0)) continue;
-            differences.push_back(
-                static_cast<double>(other.value[there] - reference.value[at]));
+            differences.push_back(static_cast<double>(other.value[there] - reference.value[at]));
         }
     if (differences.size() < 60 || differences.size() < shown / 4)
         return std::numeric_limits<double>::infinity();

@@ -97,25 +97,30 @@ CellValues disagreement(const ViewCube& cube, const CubeView& a, const CubeView&
     return blurred(cube, std::move(result), 4);
 }
 
-/// Cells that are `perhaps` and joined, through such cells, to one that is `surely`.
-CellValues grown(const ViewCube& cube, const CellValues& values, const std::vector<bool>& allowed) {
-    CellValues marked(values.size());
+/// What is marked, and what is joined to it through cells that `joins(cell)` tells.
+template <class Joins>
+CellValues grown(const ViewCube& cube, CellValues marked, const Joins& joins) {
     std::vector<std::uint32_t> front;
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (allowed[i] && values[i] >= kSurely) {
-            marked[i] = 1;
-            front.push_back(static_cast<std::uint32_t>(i));
-        }
+    for (std::size_t i = 0; i < marked.size(); ++i)
+        if (marked[i] > 0) front.push_back(static_cast<std::uint32_t>(i));
     while (!front.empty()) {
         const std::uint32_t i = front.back();
         front.pop_back();
         for (const std::uint32_t n : cube.neighbours(i))
-            if (marked[n] == 0 && allowed[n] && values[n] >= kPerhaps) {
+            if (marked[n] == 0 && joins(n)) {
                 marked[n] = 1;
                 front.push_back(n);
             }
     }
     return marked;
+}
+
+/// Holes, and gaps between parts, closed by that many steps; then a margin of that many radians,
+/// soft at its edge.
+CellValues with_margin(const ViewCube& cube, CellValues mask, int close, double margin) {
+    mask = narrowed(cube, widened(cube, std::move(mask), close), close);
+    const int steps = static_cast<int>(std::ceil(margin / cube.cell_angle()));
+    return blurred(cube, widened(cube, std::move(mask), steps), 4);
 }
 
 }  // namespace
@@ -136,7 +141,6 @@ std::vector<CellValues> photographers(const ViewCube& cube, const std::vector<Cu
         const auto& camera = views[view].camera;
         return camera ? std::acos(std::clamp(cube.direction(cell).dot(*camera), -1.0, 1.0)) : pi;
     };
-    const int beyond_outline = static_cast<int>(std::ceil(1.2 * kDegree / cube.cell_angle()));
     for (std::size_t i = 0; i < count; ++i) {
         if (!views[i].camera) continue;
         CellValues blamed(cells);
@@ -167,11 +171,13 @@ std::vector<CellValues> photographers(const ViewCube& cube, const std::vector<Cu
                 blamed[cell] = kPerhaps;
             }
         }
-        CellValues mask = grown(cube, blamed, allowed);
-        // Holes, and gaps between parts, close; then a margin.
-        constexpr int kClose = 5;
-        mask = narrowed(cube, widened(cube, std::move(mask), kClose), kClose);
-        masks[i] = blurred(cube, widened(cube, std::move(mask), beyond_outline), 4);
+        CellValues surely(cells);
+        for (std::size_t cell = 0; cell < cells; ++cell)
+            surely[cell] = allowed[cell] && blamed[cell] >= kSurely ? 1 : 0;
+        CellValues mask = grown(cube, std::move(surely), [&](std::size_t cell) {
+            return allowed[cell] && blamed[cell] >= kPerhaps;
+        });
+        masks[i] = with_margin(cube, std::move(mask), 5, 1.2 * kDegree);
     }
     return masks;
 }
@@ -272,27 +278,12 @@ CellValues lone_photographer(const ViewCube& cube, const CubeView& view, const R
     odds = blurred(cube, std::move(odds), 3);
     // From the middle outwards.
     constexpr float kJoined = 0.3F;
-    std::vector<std::uint32_t> front;
     for (std::size_t cell = 0; cell < cube.cells(); ++cell) {
         const Place p = place(cell);
-        if (std::abs(p.right) < 2 && p.up < 2 && p.up > -12 && odds[cell] > 0.5F) {
-            mask[cell] = 1;
-            front.push_back(static_cast<std::uint32_t>(cell));
-        }
+        if (std::abs(p.right) < 2 && p.up < 2 && p.up > -12 && odds[cell] > 0.5F) mask[cell] = 1;
     }
-    while (!front.empty()) {
-        const std::uint32_t cell = front.back();
-        front.pop_back();
-        for (const std::uint32_t n : cube.neighbours(cell))
-            if (mask[n] == 0 && odds[n] > kJoined) {
-                mask[n] = 1;
-                front.push_back(n);
-            }
-    }
-    constexpr int kClose = 8;
-    mask = narrowed(cube, widened(cube, std::move(mask), kClose), kClose);
-    const int margin = static_cast<int>(std::ceil(2 * kDegree / cube.cell_angle()));
-    return blurred(cube, widened(cube, std::move(mask), margin), 4);
+    mask = grown(cube, std::move(mask), [&](std::size_t cell) { return odds[cell] > kJoined; });
+    return with_margin(cube, std::move(mask), 8, 2 * kDegree);
 }
 
 }  // namespace chromeball

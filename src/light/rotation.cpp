@@ -411,37 +411,47 @@ std::vector<std::size_t> placed_in_turn(State& state, const Watch& watch) {
     return placed;
 }
 
-/// How far the samples of two views would have to move to agree: |difference| over slope.
-void add_misfits(const State& state, std::size_t i, std::size_t j, double angle,
-                 std::vector<double>& misfits) {
-    const auto world = fibonacci_directions(6000);
-    const auto& pose = state.pose.to_world;
-    const Samples a = sampled(state.views[i].pyramid, world, pose[i], angle);
-    const Samples b = sampled(state.views[j].pyramid, world, pose[j], angle);
-    const Spread spread = spread_of(a, b);
+/// A view's samples all around, and how they change when it is turned.
+struct Turnable {
+    Samples samples;
+    std::vector<double> slope;  ///< per radian, in the direction of most, summed over channels
+};
+
+Turnable turnable(const ViewPyramid& view, const std::vector<V3d>& world, const Rotation& pose,
+                  double angle) {
+    Turnable result{sampled(view, world, pose, angle), std::vector<double>(world.size())};
     const std::array turns{Rotation::about_x(0.5 * angle / kDegree),
                            Rotation::about_y(0.5 * angle / kDegree),
                            Rotation::about_z(0.5 * angle / kDegree)};
     std::array<Samples, 3> after, before;
     for (std::size_t k = 0; k < 3; ++k) {
-        after[k] = sampled(state.views[i].pyramid, world, turns[k] * pose[i], angle);
-        before[k] = sampled(state.views[i].pyramid, world, turns[k].inverse() * pose[i], angle);
+        after[k] = sampled(view, world, turns[k] * pose, angle);
+        before[k] = sampled(view, world, turns[k].inverse() * pose, angle);
     }
-    for (std::size_t s = 0; s < world.size(); ++s) {
-        if (!(a[s].weight > 0.2F && b[s].weight > 0.2F)) continue;
-        double difference = 0, slope = 0;
+    for (std::size_t s = 0; s < world.size(); ++s)
         for (std::size_t c = 0; c < 3; ++c) {
-            difference += std::abs(static_cast<double>(a[s].value[c]) -
-                                   static_cast<double>(b[s].value[c]) - spread.offset[c]);
             double square = 0;
             for (std::size_t k = 0; k < 3; ++k)
                 square += std::pow((static_cast<double>(after[k][s].value[c]) -
                                     static_cast<double>(before[k][s].value[c])) /
                                        angle,
                                    2);
-            slope += std::sqrt(square);
+            result.slope[s] += std::sqrt(square);
         }
-        if (slope > 0.5 / (10 * kDegree)) misfits.push_back(difference / slope);
+    return result;
+}
+
+/// How far the samples of two views would have to move to agree: |difference| over slope.
+void add_misfits(const Turnable& view, const Samples& other, std::vector<double>& misfits) {
+    const Samples& a = view.samples;
+    const Spread spread = spread_of(a, other);
+    for (std::size_t s = 0; s < a.size(); ++s) {
+        if (!(a[s].weight > 0.2F && other[s].weight > 0.2F)) continue;
+        double difference = 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            difference += std::abs(static_cast<double>(a[s].value[c]) -
+                                   static_cast<double>(other[s].value[c]) - spread.offset[c]);
+        if (view.slope[s] > 0.5 / (10 * kDegree)) misfits.push_back(difference / view.slope[s]);
     }
 }
 
@@ -459,12 +469,15 @@ ViewAlignment align_views(std::vector<Unturned> views, const Watch& watch) {
         refine(state, placed, std::max(degrees * kDegree, finest), 12, true);
         watch.check();
     }
+    const auto world = fibonacci_directions(6000);
+    const double angle = std::max(0.25 * kDegree, finest);
     for (std::size_t i = 0; i < views.size(); ++i) {
         std::vector<double> misfits;
         double best = 1;
+        const Turnable view = turnable(views[i].pyramid, world, pose.to_world[i], angle);
         for (std::size_t j = 0; j < views.size(); ++j) {
             if (i == j) continue;
-            add_misfits(state, i, j, std::max(0.25 * kDegree, finest), misfits);
+            add_misfits(view, sampled(views[j].pyramid, world, pose.to_world[j], angle), misfits);
             best = std::min(best,
                             disagreement(views[j], views[i], pose.to_world[j], pose.to_world[i]));
         }

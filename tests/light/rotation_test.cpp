@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "core/parallel.h"
 #include "support/views.h"
 
@@ -48,6 +50,60 @@ TEST(Align, FindsAnyTurnWhateverExposureTintAndPhotographer) {
     EXPECT_LT(degrees_between(found.to_world[1], kTurn), 0.03);  // a pixel spans 1 degree
     for (const double agreement : found.agreement) EXPECT_GT(agreement, 0.8);
     for (const double residual : found.residual) EXPECT_LT(residual, 0.01);
+}
+
+/// Turns of cameras that look at the ball from that far apart, rolled and lifted at random.
+std::vector<Rotation> random_turns(double apart, int count, unsigned seed) {
+    std::mt19937 random(seed);  // its numbers are the same everywhere
+    const auto angle = [&] { return 360 * (static_cast<double>(random()) / 4294967296.0); };
+    std::vector<Rotation> turns;
+    for (int i = 0; i < count; ++i)
+        turns.push_back(Rotation::about_z(angle()) * Rotation::about_x(apart) *
+                        Rotation::about_z(angle()));
+    return turns;
+}
+
+/// Two balls far away in places, with who photographs them; the second one turned.
+ViewAlignment aligned(const Place& a, const Place& b, const Rotation& turn) {
+    const MirrorBall ball(kOutline);
+    const auto shown = [](const Place& place) {
+        return
+            [&place](V3d world, V3d seen) { return test::with_photographer(place(world), seen); };
+    };
+    std::vector<Unturned> views;
+    views.push_back(unturned(ball_view(kPhoto, ball, {}, shown(a)), ball));
+    views.push_back(unturned(ball_view(kPhoto, ball, turn, shown(b)), ball));
+    return align_views(std::move(views));
+}
+
+TEST(Align, FindsTurnsFromSixtyDegreesToBackToBack) {
+    // Back to back both show sharply what the other shows at its rim only: nothing is fine there.
+    struct Case {
+        double apart, tolerance;
+    };
+    for (const auto& [apart, tolerance] : {Case{60, 0.05}, Case{75, 0.05}, Case{90, 0.05},
+                                           Case{120, 0.05}, Case{150, 0.08}, Case{180, 0.15}}) {
+        unsigned seed = static_cast<unsigned>(apart);
+        for (const Rotation& turn : random_turns(apart, 1, seed)) {
+            const Place place(++seed);
+            const ViewAlignment found = aligned(place, place, turn);
+            EXPECT_LT(degrees_between(found.to_world[1], turn), tolerance)
+                << apart << " degrees, place " << seed;
+            for (const double agreement : found.agreement)
+                EXPECT_GT(agreement, kLeastAgreement + 0.1) << apart << " degrees, place " << seed;
+        }
+    }
+}
+
+TEST(Align, BelievesNoTurnOfDifferentPlaces) {
+    unsigned number = 100;
+    for (const double apart : {60.0, 90.0, 135.0, 180.0}) {
+        const Rotation turn = random_turns(apart, 1, number).front();
+        const ViewAlignment found = aligned(Place(number), Place(number + 1), turn);
+        number += 2;
+        for (const double agreement : found.agreement)
+            EXPECT_LT(agreement, kLeastAgreement - 0.1) << apart << " degrees";
+    }
 }
 
 TEST(Align, TellsViewsOfDifferentPlaces) {
