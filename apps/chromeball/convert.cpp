@@ -54,8 +54,9 @@ struct Evidence {
 /// What is turned into the output, and what is told about it.
 struct Input {
     Source source;
-    std::optional<Source> trust;  ///< with --confidence or --remove-photographer; see View
-    std::optional<V3d> camera;    ///< of a ball: from it towards the camera
+    std::optional<Source> trust;       ///< with --confidence or --remove-photographer; see View
+    std::optional<Source> confidence;  ///< of a map that has the channel, three times
+    std::optional<V3d> camera;         ///< of a ball: from it towards the camera
     Rotation to_world;
     Provenance provenance;
     Metadata metadata;
@@ -107,6 +108,7 @@ Input map_input(const ConvertOptions& o, const ColorConfig& colors, const Consol
     tell(map, o.input, *layout, console);
     Input input;
     input.source = map_source(map.pixels, *layout);
+    if (!map.confidence.empty()) input.confidence = map_source(map.confidence, *layout);
     input.to_world = told_rotation(o.map).value_or(Rotation());
     input.metadata = std::move(map.metadata);
     return input;
@@ -117,12 +119,18 @@ struct Converted {
     Image map;
     MapExtras extras;
 };
-Converted converted(const ConvertOptions& o, Input& input, const Layout& layout, int size,
+Converted converted(const ConvertOptions& o, Input& input, const OutputPlan& plan, int size,
                     const ResampleOptions& how, const Console& console) {
     Converted result;
+    const Layout& layout = *plan.layout;
     const Watch watch = console.watch("converting");
-    if (!o.looks_closer()) {
+    // What a map is to be believed goes with it wherever its new file can hold that.
+    const bool carried = input.confidence && (o.confidence || plan.format == FileFormat::exr);
+    if (!o.looks_closer() || carried) {
         result.map = resample(input.source, layout, size, how, watch);
+        if (carried)
+            result.extras.confidence =
+                confidence_of(*input.confidence, result.map, layout, how, watch);
         return result;
     }
     PlacedView view{{std::move(input.source), std::move(input.trust)}, how.rotation, input.camera};
@@ -166,6 +174,9 @@ void check_input(const ConvertOptions& o) {
         throw Error(Error::Kind::usage,
                     "--remove-photographer looks for who stands before the ball of a photo; it "
                     "does not go with --from");
+    if (o.map.reflectance && o.from != "photo")
+        throw Error(Error::Kind::usage,
+                    "--reflectance is that of the ball in a photo; it does not go with --from");
     if (o.from == "photo") return;
     if (!find_layout(o.from)) throw Error(Error::Kind::usage, unknown_shape(o.from));
     if (o.photo.ball || o.photo.ellipse || o.photo.cropped)
@@ -192,10 +203,11 @@ void run_convert(const ConvertOptions& o) {
 
     const ResampleOptions how = resampling(o.map, plan, input.to_world);
     const int size = o.map.size.value_or(natural_size(input.source, *plan.layout));
-    auto [map, extras] = converted(o, input, *plan.layout, size, how, console);
+    auto [map, extras] = converted(o, input, plan, size, how, console);
     if (input.evidence) verify(o, *input.evidence, map, *plan.layout, how.rotation, console);
     input.source = {};
     input.trust.reset();
+    input.confidence.reset();
     input.evidence.reset();
     console.watch("").check();
     input.provenance.source = o.input;

@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "inspect.h"
 #include "io/read.h"
+#include "light/fill.h"
 #include "map_input.h"
 #include "photo_job.h"
 #include "resample/resample.h"
@@ -55,6 +56,8 @@ Light read_light(const LightOptions& o, const MapOptions& map, const ColorConfig
     if (!layout) return photo_light(o, map, colors, console);
     MapInput input = read_map(o.input, *layout, o.photo.max_pixels, colors, o.color.input_space);
     tell(input, o.input, *layout, console);
+    // Nothing to be believed is no light to look at, but black it would be one, too.
+    if (!input.confidence.empty()) fill_unbelieved(input.pixels, input.confidence, *layout);
     Light light;
     light.pixels = std::move(input.pixels);
     light.layout = layout;

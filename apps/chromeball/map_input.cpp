@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "color/pixels.h"
 #include "core/error.h"
 #include "core/names.h"
 #include "io/facts.h"
@@ -85,15 +86,45 @@ Image joined_faces(const std::string& folder, const Layout& layout, std::int64_t
     return column;
 }
 
+/// The six faces' confidence; empty where one has none.
+Image joined_confidence(const std::string& folder, Size column, std::int64_t max_pixels) {
+    Image all(column, 3);
+    const auto files = faces_in(folder);
+    for (std::size_t face = 0; face < 6; ++face) {
+        const Image one = read_confidence((*files)[face], max_pixels);
+        if (one.size() != Size{column.width, column.width}) return {};
+        std::copy_n(one.row(0), static_cast<std::ptrdiff_t>(one.size().pixels()) * 3,
+                    all.row(static_cast<int>(face) * column.width));
+    }
+    return all;
+}
+
 }  // namespace
+
+Image read_confidence(const std::string& path, std::int64_t max_pixels,
+                      const std::optional<Window>& region) {
+    const auto photo = read_channel(path, "confidence", {max_pixels, std::nullopt});
+    if (!photo) return {};
+    const Window part = region ? intersection(*region, photo->window) : photo->window;
+    Image values(part.size, 3);
+    load_floats(stored_rows(*photo, part, 0, part.size.height), values.view());
+    for (int y = 0; y < values.height(); ++y)
+        for (int i = 0; i < 3 * values.width(); ++i) {
+            float& v = values.row(y)[i];
+            v = v > 0 ? std::min(v, 1.0F) : 0;  // NaN too
+        }
+    return values;
+}
 
 MapInput read_map(const std::string& path, const Layout& layout, std::int64_t max_pixels,
                   const ColorConfig& colors, const std::optional<std::string>& input_space) {
     MapInput input;
     if (layout.separate_faces && fs::is_directory(path)) {
         input.pixels = joined_faces(path, layout, max_pixels, colors, input_space, input);
+        input.confidence = joined_confidence(path, input.pixels.size(), max_pixels);
     } else {
         input.pixels = decoded(path, layout, max_pixels, colors, input_space, input);
+        input.confidence = read_confidence(path, max_pixels);
     }
     const Size size = input.pixels.size();
     if (size != layout.picture(size.width / layout.width_units))

@@ -15,12 +15,18 @@ namespace chromeball {
 
 /// An environment map in the working space.
 struct MapInput {
-    Image pixels;  ///< layout.picture(size), 3 or 4 channels
+    Image pixels;      ///< layout.picture(size), 3 or 4 channels
+    Image confidence;  ///< the same size, three channels alike, 0 to 1; empty where it has none
     std::string space;
     Metadata metadata;  ///< what is worth passing on
     std::size_t bad_pixels = 0;
     std::vector<std::string> warnings;
 };
+
+/// The channel `confidence` of a file or the part of it that `region` says, three channels alike;
+/// empty where it has none.
+Image read_confidence(const std::string& path, std::int64_t max_pixels,
+                      const std::optional<Window>& region = {});
 
 /// A file, or for `faces` a folder of six. Throws Error where the picture has not the layout's
 /// aspect.

@@ -17,6 +17,7 @@
 #include "map_files.h"
 #include "map_job.h"
 #include "options.h"
+#include "photo_job.h"
 #include "report.h"
 #include "stitch_views.h"
 
@@ -74,21 +75,39 @@ ViewAlignment aligned(std::vector<ViewInput>& views, const Console& console) {
     return alignment;
 }
 
-/// Photographers vanish where another view sees behind them.
-void warn_of_same_side(const std::vector<PlacedView>& views, const std::vector<std::string>& files,
-                       const Console& console) {
-    constexpr double kSame = 20 / kDegrees;
+/// Photographers vanish where another view sees behind them, and not at its very rim.
+void warn_of_sides(const std::vector<PlacedView>& views, const std::vector<std::string>& files,
+                   const Console& console) {
+    constexpr double kSame = 20 / kDegrees, kOpposite = 160 / kDegrees;
     for (std::size_t i = 0; i < views.size(); ++i)
         for (std::size_t j = i + 1; j < views.size(); ++j) {
             if (!views[i].camera || !views[j].camera) continue;
             const double cosine =
                 (views[i].to_world * *views[i].camera).dot(views[j].to_world * *views[j].camera);
-            if (std::acos(std::clamp(cosine, -1.0, 1.0)) < kSame)
+            const double apart = std::acos(std::clamp(cosine, -1.0, 1.0));
+            if (apart > kOpposite && views.size() == 2)
+                console.warn(
+                    fmt::format("{} and {} are taken from opposite sides: each shows what is "
+                                "behind the other's photographer at its very rim, drawn out to "
+                                "a few pixels; one more from the side, or two a quarter turn "
+                                "apart, do better",
+                                files[i], files[j]));
+            if (apart < kSame)
                 console.warn(
                     fmt::format("{} and {} are taken from the same side: what is behind "
                                 "the photographer there neither shows",
                                 files[i], files[j]));
         }
+}
+
+/// Those that the views do not tell either.
+void warn_of_unknown_lenses(const std::vector<ViewInput>& views, const ViewAlignment& alignment,
+                            const Console& console) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const bool solved = i < alignment.change.size() && alignment.change[i].inverse_distance > 0;
+        if (views[i].ball && !views[i].ball->camera_known && !solved)
+            console.warn(unknown_lens_warning(views[i].file));
+    }
 }
 
 void run_stitch(const StitchOptions& o) {
@@ -120,10 +139,11 @@ void run_stitch(const StitchOptions& o) {
         alignment.to_world = {inputs.front().to_world.value_or(Rotation())};
         alignment.residual = {0};
     }
+    warn_of_unknown_lenses(inputs, alignment, console);
     std::vector<PlacedView> views;
     for (std::size_t i = 0; i < inputs.size(); ++i)
         views.push_back({std::move(inputs[i].view), alignment.to_world[i], inputs[i].camera});
-    warn_of_same_side(views, o.files, console);
+    warn_of_sides(views, o.files, console);
 
     const ResampleOptions how = resampling(o.map, plan, Rotation());
     BlendOptions blending;

@@ -36,10 +36,18 @@ std::string shape_of(const std::string& file, const std::optional<std::string>& 
     return past && find_layout(past->layout) ? past->layout : "photo";
 }
 
-/// Pixels of an integer photo that have reached the end of the scale, and those that a mask leaves
-/// out. Empty where all can be trusted.
+/// How far a photo's pixels are to be trusted: those of an integer photo that have reached the end
+/// of the scale little, others as their file's channel `confidence` says. Empty where all can be.
 Image doubts(const Photo& photo, const Window& region) {
-    if (!is_integer(photo.type)) return {};
+    if (!is_integer(photo.type)) {
+        // Of a merged bracket: how sure its exposures made each pixel.
+        Image sure = read_confidence(photo.name, std::numeric_limits<std::int64_t>::max(), region);
+        if (sure.size() != region.size) return {};
+        for (int y = 0; y < sure.height(); ++y)
+            for (int i = 0; i < 3 * sure.width(); ++i)
+                sure.row(y)[i] = std::max(sure.row(y)[i], kClipped);
+        return any_doubt(sure) ? std::move(sure) : Image();
+    }
     Image stored(region.size, photo.channels == 2 || photo.channels == 4 ? 4 : 3);
     load_floats(stored_rows(photo, region, 0, region.size.height), stored.view());
     constexpr float kWhite = 0.995F;  // the last of 255 steps, and what a JPEG makes of it
@@ -151,11 +159,9 @@ ViewInput read_view(const std::string& file, std::size_t index, const ViewOption
         MapInput read = read_map(file, layout, photo_options.max_pixels, colors, color.input_space);
         tell(read, file, layout, console);
         input.view.source = map_source(read.pixels, layout);
-        if (mask) {
-            Image trust;
-            apply_mask(*mask, read.pixels.size(), {0, 0, read.pixels.size()}, trust);
-            input.view.trust = map_source(trust, layout);
-        }
+        Image trust = std::move(read.confidence);
+        if (mask) apply_mask(*mask, read.pixels.size(), {0, 0, read.pixels.size()}, trust);
+        if (!trust.empty()) input.view.trust = map_source(trust, layout);
         input.to_world = rotation_of(o, index, nullptr, photo_options, console);
         // In a map made from a photo its photographer stands where its camera's +Z went.
         if (!std::filesystem::is_directory(file))
@@ -170,6 +176,8 @@ ViewInput read_view(const std::string& file, std::size_t index, const ViewOption
     options.ball = told(o.balls, index);
     options.ellipse = told(o.ellipses, index);
     PhotoJob job = open_photo(file, options, console.watch("searching"));
+    // The other views may tell the lens: see the caller.
+    std::erase(job.warnings, unknown_lens_warning(file));
     const MirrorBall ball = seen_ball(job, options.threshold, console);
     const double blur = lens_blur(job);
     BallLight light = ball_light(job, ball, blur, options.cropped, color, map, colors, true);

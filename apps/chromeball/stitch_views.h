@@ -54,7 +54,8 @@ private:
 /// What was typed wrong, before anything is read. Throws Error (usage).
 void check_view_options(const ViewOptions& options, const std::vector<std::string>& files);
 
-/// Reads view number `index`: finds its ball, or takes it as the map that it is. Throws Error.
+/// Reads view number `index`: finds its ball, or takes it as the map that it is. Of a lens that is
+/// not known it does not warn: several views tell it. Throws Error.
 ViewInput read_view(const std::string& file, std::size_t index, const ViewOptions& options,
                     const PhotoOptions& photo, const ColorOptions& color, const MapOptions& map,
                     const ColorConfig& colors, const Console& console);

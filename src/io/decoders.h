@@ -23,6 +23,8 @@ struct DecodeRequest {
     bool header_only = false;
     /// For decoders that can give bands; what they give no photo.pixels of.
     std::function<void(const Photo& band)> bands = nullptr;
+    /// Of an OpenEXR file: this channel alone, as grey; a photo without channels where it has none.
+    std::string channel = {};
 };
 
 /// Decodes an OpenEXR file with OpenEXR alone.

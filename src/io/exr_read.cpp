@@ -130,6 +130,17 @@ PartChoice choose_part(const std::string& path, const Imf::MultiPartInputFile& f
                                     quoted_list(found)));
 }
 
+/// The first part that has a channel; nothing where none has.
+std::optional<PartChoice> part_with(const Imf::MultiPartInputFile& file,
+                                    const std::string& channel) {
+    for (int part = 0; part < file.parts(); ++part) {
+        const Imf::Header& header = file.header(part);
+        if (header.hasType() && Imf::isDeepData(header.type())) continue;
+        if (header.channels().findChannel(channel)) return PartChoice{part, {{channel}, false}};
+    }
+    return std::nullopt;
+}
+
 struct Frame {
     Imath::Box2i data;
     Imath::V2i origin;  ///< of the display window
@@ -219,7 +230,9 @@ void decode_luminance_chroma(const std::string& path, const Frame& frame, Photo&
 
 Photo decode(const std::string& path, const FileProbe& probe, const DecodeRequest& request) {
     Imf::MultiPartInputFile file(path.c_str());
-    const PartChoice choice = choose_part(path, file);
+    std::optional<PartChoice> extra;
+    if (!request.channel.empty() && !(extra = part_with(file, request.channel))) return {};
+    const PartChoice choice = extra ? *extra : choose_part(path, file);
     Frame frame;
     Photo photo =
         describe(path, file.header(choice.part), choice.selection, request.max_pixels, frame);

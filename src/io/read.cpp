@@ -46,4 +46,12 @@ Photo read_photo(const std::string& path, const ReadOptions& options) {
     return photo;
 }
 
+std::optional<Photo> read_channel(const std::string& path, const std::string& channel,
+                                  const ReadOptions& options) {
+    if (!io::probe_file(path).exr) return std::nullopt;
+    Photo photo = read(path, {options.max_pixels, options.rows, false, nullptr, channel});
+    if (photo.channels == 0) return std::nullopt;
+    return photo;
+}
+
 }  // namespace chromeball

@@ -34,4 +34,10 @@ Photo read_header(const std::string& path, const ReadOptions& options = {});
 /// file: missing, a folder, empty, truncated, of an unknown type, too large.
 Photo read_photo(const std::string& path, const ReadOptions& options = {});
 
+/// One channel of an OpenEXR file that is neither colour nor alpha, such as "confidence", as a grey
+/// photo; nothing where the file has none of that name, or is of another type. Throws Error as
+/// read_photo.
+std::optional<Photo> read_channel(const std::string& path, const std::string& channel,
+                                  const ReadOptions& options = {});
+
 }  // namespace chromeball

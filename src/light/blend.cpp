@@ -326,6 +326,12 @@ Image confidence_of(const PlacedView& view, const Image& map, const Layout& layo
     return confidence_where_shown(drawn(seen.front().confidence), map);
 }
 
+Image confidence_of(const Source& confidence, const Image& map, const Layout& layout,
+                    const ResampleOptions& how, const Watch& watch) {
+    const int size = map.width() / layout.width_units;
+    return confidence_where_shown(resample(confidence, layout, size, how, watch), map);
+}
+
 Blended blend(const std::vector<PlacedView>& views, const Layout& layout, int size,
               const BlendOptions& options, const Watch& watch) {
     const ViewCube cube(kCube);

@@ -52,4 +52,9 @@ Blended blend(const std::vector<PlacedView>& views, const Layout& layout, int si
 Image confidence_of(const PlacedView& view, const Image& map, const Layout& layout,
                     const Rotation& to_output, const Watch& watch = {});
 
+/// The same of a map made from one that has such a channel: that (three times, as a map of the same
+/// layout), filtered as the colours were.
+Image confidence_of(const Source& confidence, const Image& map, const Layout& layout,
+                    const ResampleOptions& how, const Watch& watch = {});
+
 }  // namespace chromeball

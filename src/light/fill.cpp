@@ -1,8 +1,10 @@
 #include "light/fill.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/parallel.h"
+#include "resample/resample.h"
 
 namespace chromeball {
 namespace {
@@ -81,6 +83,47 @@ void fill_gaps(Image& picture) {
             std::copy_n(mean.data(), 3, all + 4 * static_cast<std::size_t>(i));
     }
     relax(picture, unknown, 30);
+}
+
+void fill_unbelieved(Image& map, const Image& confidence, const Layout& layout) {
+    constexpr float kLeast = 0.02F, kDark = 1e-6F;
+    constexpr int kCube = 128;
+    const Layout& cube = *find_layout("openexr");
+    const auto believed = [&](int x, int y) {
+        return std::min(confidence.pixel(x, y)[0] / kLeast, 1.0F);
+    };
+    const bool has_alpha = map.channels() > 3;
+    Image weighed(map.size(), 4);
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) {
+            const float* from = map.pixel(x, y);
+            float* to = weighed.pixel(x, y);
+            for (int c = 0; c < 3; ++c) to[c] = from[c] * believed(x, y);
+            to[3] = (has_alpha ? from[3] : 1) * believed(x, y);
+        }
+    Image around = resample(map_source(weighed, layout), cube, kCube);
+    float* p = around.row(0);
+    for (std::size_t i = 0; i < around.size().pixels(); ++i, p += 4) {
+        const bool known = p[3] > 0.5F;
+        for (int c = 0; c < 3; ++c) p[c] = known ? std::log2(std::max(p[c] / p[3], kDark)) : 0;
+        p[3] = known ? 1 : 0;
+    }
+    fill_gaps(around);
+    p = around.row(0);
+    for (std::size_t i = 0; i < around.size().pixels(); ++i, p += 4) {
+        for (int c = 0; c < 3; ++c) p[c] = std::exp2(p[c]);
+        p[3] = 1;
+    }
+    const Image fill = resample(map_source(around, cube), layout, map.width() / layout.width_units);
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) {
+            float* to = map.pixel(x, y);
+            const float* from = fill.pixel(x, y);
+            if (!(from[3] > 0)) continue;  // outside of the layout's directions
+            const float* known = weighed.pixel(x, y);
+            for (int c = 0; c < 3; ++c) to[c] = known[c] + (1 - known[3]) * from[c] / from[3];
+            if (has_alpha) to[3] = 1;
+        }
 }
 
 }  // namespace chromeball

@@ -9,6 +9,8 @@
 #include "cli/program.h"
 #include "cli/refusal.h"
 #include "cli/world.h"
+#include "io/read.h"
+#include "io/write.h"
 #include "support/views.h"
 
 namespace chromeball::test {
@@ -155,6 +157,16 @@ TEST(Stitch, WarnsOfIdenticalPhotos) {
     EXPECT_TRUE(result.says("a.exr and b.exr are taken from the same side")) << result.err;
 }
 
+TEST(Stitch, WarnsOfOppositeSides) {
+    const TempFolder folder;
+    write_exr(folder / "a.exr", photo(Place(7), {}));
+    write_exr(folder / "b.exr", photo(Place(7), Rotation::yaw_pitch_roll(178, 5, 3)));
+    const Outcome result = run(folder, stitch({}));
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_TRUE(result.says("warning: a.exr and b.exr are taken from opposite sides"))
+        << result.err;
+}
+
 TEST(Stitch, FillsOneViewAndMarksWhatItDidNotSee) {
     const TempFolder folder;
     write_exr(folder / "a.exr", photo(Place(7), {}));
@@ -223,6 +235,157 @@ TEST(Stitch, WritesConfidence) {
     }
     expect_refusal(folder, {"convert", "a.exr", "-o", "one.png", "--ball", kBall, "--confidence"},
                    2, {"one.png", "--confidence", "EXR and TIFF"});
+}
+
+/// A lat-long of a place: pixels of direction d are light(d), with the confidence sure(d).
+template <class Light, class Sure>
+void write_map(const std::string& path, int size, const Light& light, const Sure& sure,
+               bool channel) {
+    Image map({2 * size, size}, channel ? 4 : 3);
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) {
+            const V3d d =
+                *LatLong().to_direction(V2d((x + 0.5) / map.width(), (y + 0.5) / map.height()));
+            const V3d rgb = light(d);
+            for (int c = 0; c < 3; ++c) map.pixel(x, y)[c] = static_cast<float>(rgb[c]);
+            if (channel) map.pixel(x, y)[3] = static_cast<float>(sure(d));
+        }
+    WriteOptions options;
+    options.full_float = true;
+    options.confidence = channel;
+    write_image(path, map.view(), options);
+}
+
+/// The channel's values, as OpenEXR's layouts have them; empty where there is none.
+std::vector<float> confidence_in(const std::string& path) {
+    const auto photo = read_channel(path, "confidence");
+    if (!photo) return {};
+    std::vector<float> values(photo->window.size.pixels());
+    const auto file = OIIO::ImageInput::open(path);
+    const int last = file->spec().nchannels - 1;
+    EXPECT_EQ(file->spec().channelnames[static_cast<std::size_t>(last)], "confidence");
+    EXPECT_TRUE(file->read_image(0, 0, last, last + 1, OIIO::TypeFloat, values.data()));
+    return values;
+}
+
+TEST(Confidence, OfMapsIsWhatStitchWeighsThemBy) {
+    const TempFolder folder;
+    const Place place(7);
+    // One map is wrong on one side, and its channel knows.
+    const auto wrong = [&](V3d d) { return place(d) * (d.x > 0 ? 4 : 1); };
+    const auto knows = [](V3d d) { return d.x > 0 ? 0 : 1; };
+    write_map(folder / "good.exr", 64, place, knows, false);
+    write_map(folder / "wrong.exr", 64, wrong, knows, true);
+    write_map(folder / "proud.exr", 64, wrong, knows, false);
+    const std::string same = "1,0,0,0,1,0,0,0,1";
+    const auto stitch = [&](const std::string& other, const std::string& out) {
+        return Words{"stitch",      other,
+                     "good.exr",    "--from",
+                     "latlong",     "--size",
+                     "64",          "-o",
+                     out,           "--camera-to-world",
+                     same,          "--camera-to-world",
+                     same,          "--float",
+                     "--confidence"};
+    };
+    const auto results =
+        run_all(folder, {stitch("wrong.exr", "out.exr"), stitch("proud.exr", "bad.exr")});
+    for (const Outcome& result : results) ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_LT(part_off(read_floats(folder / "out.exr"), place), 0.02);
+    EXPECT_GT(part_off(read_floats(folder / "bad.exr"), place), 0.2);
+}
+
+TEST(Confidence, GoesAlongWhenAMapIsTurnedIntoAnother) {
+    const TempFolder folder;
+    const auto sure = [](V3d d) { return 0.5 + 0.5 * d.z; };
+    write_map(folder / "map.exr", 64, Place(7), sure, true);
+    const Words convert{"convert", "map.exr", "--from", "latlong", "--size", "32"};
+    const auto to = [&](const Words& more) {
+        Words words = convert;
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    const auto results =
+        run_all(folder, {to({"--layout", "openexr", "--yaw", "90", "-o", "cube.exr"}),
+                         to({"--layout", "faces", "-o", "faces"}), to({"-o", "flat.hdr"})});
+    for (const Outcome& result : results) ASSERT_EQ(result.status, 0) << result.err;
+    const auto cube = confidence_in(folder / "cube.exr");
+    ASSERT_EQ(cube.size(), 32U * 6 * 32);
+    const auto middle = [&](std::size_t face) { return cube[(face * 32 + 16) * 32 + 16]; };
+    EXPECT_NEAR(middle(0), 1, 0.02F);  // +Z is now +X
+    EXPECT_NEAR(middle(1), 0, 0.02F);
+    EXPECT_NEAR(middle(2), 0.5F, 0.04F);
+    // And once more, from six files.
+    const Outcome again = run(folder, {"convert", "faces", "--from", "faces", "--size", "16", "-o",
+                                       "again.exr", "--float"});
+    ASSERT_EQ(again.status, 0) << again.err;
+    const auto values = confidence_in(folder / "again.exr");
+    ASSERT_EQ(values.size(), 32U * 16);
+    EXPECT_NEAR(values[8 * 32 + 16], 1, 0.03F);  // +Z, in the middle
+    EXPECT_NEAR(values[8 * 32], 0, 0.03F);
+}
+
+TEST(Confidence, OfAMergedPhotoIsKeptByWhatIsMadeOfIt) {
+    const TempFolder folder;
+    Image light = photo(Place(7), {});
+    Image merged(light.size(), 4);
+    for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 200; ++x) {
+            std::copy_n(light.pixel(x, y), 3, merged.pixel(x, y));
+            const bool burnt = std::hypot(x - 100.0, y - 100.0) < 12;
+            merged.pixel(x, y)[3] = burnt ? 0.0F : 1.0F;
+        }
+    WriteOptions options;
+    options.confidence = true;
+    write_image(folder / "merged.exr", merged.view(), options);
+    const Outcome result = run(folder, {"convert", "merged.exr", "-o", "map.exr", "--ball", kBall,
+                                        kFar, "--size", "64", "--confidence"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const auto values = confidence_in(folder / "map.exr");
+    ASSERT_EQ(values.size(), 128U * 64);
+    EXPECT_LT(values[32 * 128 + 64], 0.15F);  // towards the camera: burnt in all exposures
+    EXPECT_GT(values[32 * 128 + 84], 0.7F);   // 56 degrees beside it
+}
+
+TEST(Confidence, WhatNobodyBelievesInIsNoBlackSpotInAPreview) {
+    const TempFolder folder;
+    const auto light = [](V3d d) { return d.z > 0.6 ? V3d(0, 0, 0) : V3d(0.5, 0.5, 0.5); };
+    const auto sure = [](V3d d) { return d.z > 0.6 ? 0 : 1; };
+    write_map(folder / "told.exr", 64, light, sure, true);
+    write_map(folder / "silent.exr", 64, light, sure, false);
+    const auto preview = [](const std::string& map, const std::string& out) {
+        return Words{"preview", map,      "--from", "latlong",   "--mesh", "sphere", "--orbit",
+                     "0,0",     "--size", "48",     "--samples", "4",      "-o",     out};
+    };
+    const auto results =
+        run_all(folder, {preview("told.exr", "told-p.exr"), preview("silent.exr", "silent-p.exr")});
+    for (const Outcome& result : results) ASSERT_EQ(result.status, 0) << result.err;
+    const Image told = read_floats(folder / "told-p.exr"),
+                silent = read_floats(folder / "silent-p.exr");
+    EXPECT_LT(silent.pixel(24, 24)[1], 0.01F);
+    EXPECT_NEAR(told.pixel(24, 24)[1], 0.5F, 0.02F);
+    EXPECT_NEAR(told.pixel(34, 24)[1], silent.pixel(34, 24)[1], 0.02F);
+}
+
+TEST(Stitch, DoesNotWarnOfALensThatTheViewsTell) {
+    const TempFolder folder;
+    const Place place(6);
+    const MirrorBall ball = near_ball({200, 200}, V3d(0, 0, -1), 6, 95 * std::sqrt(35.0));
+    const auto write = [&](const std::string& name, const Rotation& turn) {
+        write_exr(folder / name,
+                  ball_view({200, 200}, ball, turn, [&](V3d world, V3d) { return place(world); }));
+    };
+    write("a.exr", {});
+    write("b.exr", kSide);
+    const auto results = run_all(
+        folder, {{"stitch", "a.exr", "b.exr", "-o", "env.exr", "--ball", "100,100,95", "--ball",
+                  "100,100,95", "--size", "32"},
+                 {"stitch", "a.exr", "-o", "one.exr", "--ball", "100,100,95", "--size", "32"}});
+    for (const Outcome& result : results) ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_FALSE(results[0].says("focal length is not known")) << results[0].err;
+    EXPECT_TRUE(results[0].says("--distance-radii 6.0") || results[0].says("--distance-radii 5.9"))
+        << results[0].err;
+    EXPECT_TRUE(results[1].says("warning: a.exr: the focal length is not known")) << results[1].err;
 }
 
 TEST(Stitch, ConvertsWithoutThePhotographer) {
