@@ -141,6 +141,7 @@ void run_calibrate(const CalibrateOptions& o) {
 
     PhotoJob job = open_photo(o.ball, o.photo, console.watch("searching"));
     const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
+    check_not_undone(job.photo);
     Reflectance reflectance;
     if (o.material) reflectance = parse_reflectance(*o.material);
     const auto photo = std::make_shared<const Photo>(job.photo);

@@ -119,6 +119,8 @@ void write_crop(const DetectCommand& o, const PhotoJob& job, const MirrorBall& b
     provenance.outline = outline;
     provenance.camera = job.camera.camera;
     provenance.layout = "crop";
+    if (const auto past = provenance_from(job.photo.metadata))
+        provenance.reflectance = past->reflectance;
     write.metadata.set(to_attribute(provenance));
     write_image(path, crop.view(), write);
 }

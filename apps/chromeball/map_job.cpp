@@ -18,26 +18,6 @@
 namespace chromeball {
 namespace {
 
-/// A map and its channels from elsewhere: alpha for one of three channels, confidence.
-Image joined(const Image& map, const Image* alpha, const Image* confidence) {
-    const int own = map.channels();
-    Image out(map.size(), own + (alpha ? 1 : 0) + (confidence ? 1 : 0));
-    for (int y = 0; y < map.height(); ++y)
-        for (int x = 0; x < map.width(); ++x) {
-            float* to = std::copy_n(map.pixel(x, y), own, out.pixel(x, y));
-            if (alpha) *to++ = alpha->pixel(x, y)[3];
-            if (confidence) *to = confidence->pixel(x, y)[0];
-        }
-    return out;
-}
-
-Image colors_of(const Image& map) {
-    Image rgb(map.size(), 3);
-    for (int y = 0; y < map.height(); ++y)
-        for (int x = 0; x < map.width(); ++x) std::copy_n(map.pixel(x, y), 3, rgb.pixel(x, y));
-    return rgb;
-}
-
 void check_display(const MapOptions& o, const OutputPlan& plan, const ColorConfig& colors) {
     if (o.output_space) colors.space(*o.output_space);
     if (!o.display && !o.view) return;
@@ -64,6 +44,25 @@ EnvmapKind envmap_kind(const Layout& layout, bool turned_away) {
 }
 
 }  // namespace
+
+Image joined(const Image& map, const Image* fourth, const Image* confidence) {
+    const int own = map.channels();
+    Image out(map.size(), own + (fourth ? 1 : 0) + (confidence ? 1 : 0));
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) {
+            float* to = std::copy_n(map.pixel(x, y), own, out.pixel(x, y));
+            if (fourth) *to++ = fourth->pixel(x, y)[3];
+            if (confidence) *to = confidence->pixel(x, y)[0];
+        }
+    return out;
+}
+
+Image colors_of(const Image& map) {
+    Image rgb(map.size(), 3);
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) std::copy_n(map.pixel(x, y), 3, rgb.pixel(x, y));
+    return rgb;
+}
 
 void add_encoding_options(CLI::App& command, MapOptions& o) {
     const std::string out = "Output";
@@ -133,13 +132,7 @@ void add_map_options(CLI::App& command, MapOptions& o) {
         ->type_name("TARGET")
         ->group(out);
     add_encoding_options(command, o);
-    command
-        .add_option(
-            "--reflectance", o.reflectance,
-            "What the mirror gives back, 0 to 1; divided out. A number, one a channel, what "
-            "\"calibrate\" wrote, or by angle: chromium, nickel, steel, aluminium, silver")
-        ->type_name("R|R,G,B|FILE.json|NAME")
-        ->group("Colour");
+    add_reflectance_option(command, o.reflectance);
     const std::string axes =
         "Orientation (default: the camera's frame, +Z towards the camera, +Y up)";
     command
@@ -214,7 +207,10 @@ BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_bl
     const Window& region = light.region =
         whole ? job.photo.window : needed_window(ball.outline(), job.photo.window);
     std::optional<Reflectance> reflectance;
-    if (options.reflectance) reflectance = parse_reflectance(*options.reflectance);
+    if (options.reflectance) {
+        check_not_undone(job.photo);
+        reflectance = parse_reflectance(*options.reflectance);
+    }
     Affine& to_pixels = light.to_pixels = job.ball.to_pixels;
     to_pixels.x0 -= region.x;
     to_pixels.y0 -= region.y;
@@ -331,9 +327,7 @@ std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan
     const WriteReport& report = written.report;
     // A display ends at white; that a picture for it does too is no news.
     if (report.clamped > 0 && !o.display && !o.view)
-        warnings.push_back(fmt::format(
-            "{}: {} values above what the format holds were clamped{}", plan.path, report.clamped,
-            plan.format == FileFormat::exr ? " to 65504; --float keeps them" : ""));
+        warnings.push_back(clamp_warning(plan.path, report.clamped, plan.format));
     if (report.repaired > 0)
         warnings.push_back(fmt::format("{}: {} values were NaN or infinite and were replaced",
                                        plan.path, report.repaired));
@@ -347,6 +341,11 @@ void tell(const WrittenMap& written, const OutputPlan& plan, const MapOptions& o
     console.say(fmt::format("{}: {} --size {} ({}x{} pixels){}, colour space {}", plan.path,
                             plan.layout->name, written.size, pixels.width, pixels.height, more,
                             written.space));
+}
+
+std::string clamp_warning(const std::string& path, std::size_t values, FileFormat format) {
+    return fmt::format("{}: {} values above what the format holds were clamped{}", path, values,
+                       format == FileFormat::exr ? " to 65504; --float keeps them" : "");
 }
 
 std::string bad_pixel_warning(const std::string& name, std::size_t count) {

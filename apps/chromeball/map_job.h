@@ -75,6 +75,11 @@ void tell(const BallLight& light, const Photo& photo, const Console& console);
 ResampleOptions resampling(const MapOptions& options, const OutputPlan& plan,
                            const Rotation& to_world);
 
+/// A picture's first three channels: colour transforms take a fourth one for alpha.
+Image colors_of(const Image& picture);
+/// Channels put together: a picture's, then the fourth one of another, then confidence.
+Image joined(const Image& picture, const Image* fourth, const Image* confidence);
+
 /// From the working space into the file's, or onto a display; its name, or the display's and
 /// view's.
 std::string encode(Image& image, const MapOptions& options, const OutputPlan& plan,
@@ -110,6 +115,8 @@ std::vector<std::string> warnings_of(const WrittenMap& written, const OutputPlan
 /// What was written, after those warnings. more: of the map, after its size.
 void tell(const WrittenMap& written, const OutputPlan& plan, const MapOptions& options,
           const Console& console, const std::string& more = {});
+/// Of values that a format cut off.
+std::string clamp_warning(const std::string& path, std::size_t values, FileFormat format);
 /// Of pixels that hold no number; empty where there are none.
 std::string bad_pixel_warning(const std::string& name, std::size_t count);
 

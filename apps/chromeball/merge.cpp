@@ -22,8 +22,10 @@
 #include "light/merge.h"
 #include "light/response.h"
 #include "map_files.h"
+#include "map_job.h"
 #include "numbers.h"
 #include "options.h"
+#include "reflectance_option.h"
 #include "report.h"
 #include "resample/source.h"
 #include "version.h"
@@ -43,6 +45,7 @@ struct MergeOptions {
     bool json = false;
     std::int64_t max_pixels = 400'000'000;
     std::optional<std::string> output_space;
+    std::optional<std::string> reflectance;
     CommonOptions common;
     ColorOptions color;
 };
@@ -101,6 +104,7 @@ FileFormat check_words(const MergeOptions& o) {
     if (o.full_float && *format == FileFormat::hdr)
         refuse(fmt::format("-o {}: HDR files have no 32-bit floats; leave --float out", o.output));
     for (const std::string& photo : o.photos) check_not_input(o.output, photo);
+    if (o.reflectance) parse_reflectance(*o.reflectance);
     check_target(o.output);
     return *format;
 }
@@ -167,6 +171,13 @@ void keep_alike(std::vector<std::optional<Outline>>& balls) {
         if (ball && std::abs(radius(*ball) / usual - 1) > 0.05) ball.reset();
 }
 
+std::vector<std::optional<Outline>> alike_balls(const MergeOptions& o, const Bracket& bracket,
+                                                int reference, const Console& console) {
+    auto balls = balls_of(o, bracket, reference, console);
+    keep_alike(balls);
+    return balls;
+}
+
 AlignOptions align_options(const std::vector<std::optional<Outline>>& balls, int reference,
                            Size size) {
     AlignOptions options;
@@ -200,8 +211,12 @@ void take_moves(Placed& placed) {
 Placed placed_photos(const MergeOptions& o, const Bracket& bracket, const std::vector<int>& order,
                      int reference, const Console& console) {
     Placed placed;
-    placed.balls = balls_of(o, bracket, reference, console);
-    keep_alike(placed.balls);
+    placed.balls = alike_balls(o, bracket, reference, console);
+    for (std::size_t k = 0; k < placed.balls.size() && placed.balls[at(reference)]; ++k)
+        if (!placed.balls[k] && !o.ball)
+            console.say(
+                fmt::format("{}: its ball is lost; it is laid on the others by the whole picture",
+                            bracket.exposed[k].name));
     placed.options = align_options(placed.balls, reference, bracket.size());
     placed.shifts = align(bracket.exposed, order, reference, bracket.response, placed.options,
                           console.watch("aligning"));
@@ -380,23 +395,6 @@ void to_working(Image& pixels, const std::array<double, 9>& matrix) {
     });
 }
 
-/// Colour alone, and the confidence alone, since colour transforms know three or four channels.
-std::pair<Image, Image> split(const Image& pixels) {
-    Image rgb(pixels.size(), 3), confidence(pixels.size(), 1);
-    for (int y = 0; y < pixels.height(); ++y)
-        for (int x = 0; x < pixels.width(); ++x) {
-            std::copy_n(pixels.pixel(x, y), 3, rgb.pixel(x, y));
-            *confidence.pixel(x, y) = pixels.pixel(x, y)[3];
-        }
-    return {std::move(rgb), std::move(confidence)};
-}
-
-void join(const Image& rgb, Image& pixels) {
-    for (int y = 0; y < pixels.height(); ++y)
-        for (int x = 0; x < pixels.width(); ++x)
-            std::copy_n(rgb.pixel(x, y), 3, pixels.pixel(x, y));
-}
-
 /// Paths as given; of absolute ones the names alone.
 std::string sources_of(const std::vector<std::string>& photos) {
     std::string all;
@@ -406,14 +404,51 @@ std::string sources_of(const std::vector<std::string>& photos) {
     return all;
 }
 
+/// The ball in the merged picture, by the reference, or by any photo that shows it.
+std::optional<Outline> merged_ball(const Placed& placed, int reference) {
+    const auto& balls = placed.balls;
+    if (balls.empty()) return std::nullopt;
+    if (balls[at(reference)]) return balls[at(reference)];
+    for (std::size_t k = 0; k < balls.size(); ++k) {
+        if (!balls[k]) continue;
+        Outline moved = *balls[k];
+        moved.cx -= placed.moves[k].x;
+        moved.cy -= placed.moves[k].y;
+        return moved;
+    }
+    return std::nullopt;
+}
+
+/// Takes the mirror's own tint out of the ball; what is around it stays as it is.
+void undo_in_ball(const MergeOptions& o, Image& pixels, const Bracket& bracket, int reference,
+                  const std::optional<Outline>& outline, const Console& console) {
+    for (const auto& photo : bracket.photos) check_not_undone(*photo);
+    if (!outline)
+        throw Error(
+            Error::Kind::no_ball,
+            fmt::format("--reflectance {}: no mirror ball was found in these photos to undo "
+                        "it in; tell it with --ball CX,CY,R, or give --reflectance to "
+                        "convert, later",
+                        *o.reflectance));
+    const Camera camera = choose_camera({}, *bracket.photos[at(reference)]).camera;
+    const MirrorBall ball = camera.orthographic() ? MirrorBall(*outline)
+                                                  : MirrorBall(camera, cone_of(*outline, camera));
+    undo_reflectance(pixels, ball, {}, parse_reflectance(*o.reflectance), true);
+    console.say(
+        fmt::format("{}: the mirror's reflectance is undone inside --ellipse "
+                    "{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}",
+                    o.output, outline->cx, outline->cy, outline->a, outline->b, outline->angle));
+}
+
 WriteReport write(const MergeOptions& o, FileFormat format, Image pixels, const Bracket& bracket,
                   int reference, const std::optional<Outline>& ball, const Anchor& anchor,
-                  const ColorConfig& colors) {
+                  const ColorConfig& colors, const Console& console) {
     to_working(pixels, bracket.to_working);
-    auto [rgb, confidence] = split(pixels);
+    if (o.reflectance) undo_in_ball(o, pixels, bracket, reference, ball, console);
+    Image rgb = colors_of(pixels);
     const std::string space = colors.output_space(o.output_space, true);
     colors.from_working(rgb, space);
-    join(rgb, pixels);
+    pixels = joined(rgb, &pixels, nullptr);
     const Photo& photo = *bracket.photos[at(reference)];
     WriteOptions options;
     options.format = format;
@@ -426,6 +461,7 @@ WriteReport write(const MergeOptions& o, FileFormat format, Image pixels, const 
     origin.version = kVersion;
     origin.source = sources_of(o.photos);
     origin.outline = ball;
+    if (o.reflectance) origin.reflectance = *o.reflectance;
     const CameraChoice camera = choose_camera({}, photo);
     if (camera.told && camera.note.empty()) origin.camera = camera.camera;
     options.metadata.set(to_attribute(origin));
@@ -490,7 +526,10 @@ void run_merge(const MergeOptions& o) {
     const int reference = order[(order.size() - 1) / 2];
     Placed placed;
     placed.moves.assign(bracket.photos.size(), V2d(0, 0));
-    if (!o.no_align) placed = placed_photos(o, bracket, order, reference, console);
+    if (!o.no_align)
+        placed = placed_photos(o, bracket, order, reference, console);
+    else if (o.reflectance)
+        placed.balls = alike_balls(o, bracket, reference, console);
     const auto patches = even_patches(bracket.exposed, placed.moves, console.watch("measuring"));
     const Solved solved = solve(o, bracket, patches);
     console.say(fmt::format("response: {}", solved.words));
@@ -507,7 +546,6 @@ void run_merge(const MergeOptions& o) {
         tell_shifts(bracket, placed.shifts, reference, console);
     }
     const std::vector<V2d>& moves = placed.moves;
-    const auto& balls = placed.balls;
     const Anchor anchor = anchor_of(o, bracket, stops, reference);
 
     std::vector<MergePhoto> photos;
@@ -515,13 +553,9 @@ void run_merge(const MergeOptions& o) {
         photos.push_back({bracket.exposed[k], std::exp2(stops[k] - anchor.stops), moves[k]});
     Merged merged = merge(photos, solved.fit.response, console.watch("merging"));
     tell_result(o, merged, console);
-    const WriteReport written =
-        write(o, format, std::move(merged.pixels), bracket, reference,
-              balls.empty() ? std::nullopt : balls[at(reference)], anchor, colors);
-    if (written.clamped > 0)
-        console.warn(fmt::format("{}: {} values above what the format holds were clamped{}",
-                                 o.output, written.clamped,
-                                 format == FileFormat::exr ? " to 65504; --float keeps them" : ""));
+    const WriteReport written = write(o, format, std::move(merged.pixels), bracket, reference,
+                                      merged_ball(placed, reference), anchor, colors, console);
+    if (written.clamped > 0) console.warn(clamp_warning(o.output, written.clamped, format));
     MergeReport report;
     report.clipped_everywhere = merged.clipped_everywhere;
     report.black_everywhere = merged.black_everywhere;
@@ -587,6 +621,7 @@ void add_merge(CLI::App& app) {
                      "Linear colour space (default: scene_linear)")
         ->type_name("SPACE")
         ->group("Colour");
+    add_reflectance_option(*command, o->reflectance);
     add_color_options(*command, o->color);
     add_common_options(*command, o->common);
     command->footer(

@@ -1,12 +1,14 @@
 #include "reflectance_option.h"
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <fstream>
 #include <sstream>
 
 #include "core/error.h"
 #include "core/names.h"
+#include "io/facts.h"
 #include "numbers.h"
 #include "report.h"
 
@@ -38,6 +40,16 @@ bool is_word(const std::string& text) {
 
 }  // namespace
 
+void add_reflectance_option(CLI::App& command, std::optional<std::string>& text) {
+    command
+        .add_option(
+            "--reflectance", text,
+            "What the mirror gives back, 0 to 1; divided out. A number, one a channel, what "
+            "\"calibrate\" wrote, or by angle: chromium, nickel, steel, aluminium, silver")
+        ->type_name("R|R,G,B|FILE.json|NAME")
+        ->group("Colour");
+}
+
 std::array<double, 3> parse_albedo(const std::string& option, const std::string& text) {
     auto r = parse_numbers(option, text, {1, 3}, "R or R,G,B, each above 0 and at most 1");
     if (r.size() == 1) r = {r[0], r[0], r[0]};
@@ -65,6 +77,15 @@ Reflectance parse_reflectance(const std::string& text) {
         refuse(fmt::format("--reflectance {}: expected numbers, a .json file, or one of {}", text,
                            quoted_list(material_names())));
     return {parse_albedo("--reflectance", text)};
+}
+
+void check_not_undone(const Photo& photo) {
+    const auto past = provenance_from(photo.metadata);
+    if (past && !past->reflectance.empty())
+        refuse(
+            fmt::format("{}: its mirror's reflectance ({}) is undone already, by the merge that "
+                        "wrote it; leave --reflectance out",
+                        photo.name, past->reflectance));
 }
 
 std::string reflectance_words(const std::string& text) {

@@ -44,6 +44,8 @@ struct Provenance {
     std::optional<Camera> camera = std::nullopt;    ///< of the source photo
     std::string layout = {};  ///< of a map: its layout's name; "crop" of a cropped ball; else empty
     std::optional<std::array<double, 9>> rotation = std::nullopt;  ///< camera to output, row-major
+    std::string reflectance =
+        {};  ///< of the mirror, as told, where it is undone already; else empty
     std::string fingerprint =
         {};  ///< of a shot's frame: a hash of all it was made of and how, by which a rerun knows it
 };

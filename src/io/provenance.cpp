@@ -55,6 +55,7 @@ Provenance from_json(const Json& json) {
     provenance.version = json.value("version", "");
     provenance.source = json.value("source", "");
     provenance.layout = json.value("layout", "");
+    provenance.reflectance = json.value("reflectance", "");
     provenance.fingerprint = json.value("fingerprint", "");
     if (json.contains("outline")) provenance.outline = outline_from(json.at("outline"));
     if (json.contains("camera")) provenance.camera = camera_from(json.at("camera"));
@@ -84,6 +85,8 @@ Attribute to_attribute(const Provenance& provenance) {
     if (provenance.outline) json["outline"] = to_json(*provenance.outline);
     if (provenance.camera) json["camera"] = to_json(*provenance.camera);
     if (provenance.rotation) json["rotation"] = *provenance.rotation;
+    if (!provenance.reflectance.empty())
+        json["reflectance"] = without_folders_if_absolute(provenance.reflectance);
     if (!provenance.fingerprint.empty()) json["fingerprint"] = provenance.fingerprint;
     // ASCII only, as EXIF demands; a name that is no UTF-8 must not stop the writing.
     return {kName, "string", {}, json.dump(-1, ' ', true, Json::error_handler_t::replace)};

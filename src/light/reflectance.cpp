@@ -16,11 +16,9 @@ constexpr std::string_view kNoble =
 constexpr std::string_view kAluminium =
     "Rakic, Appl. Opt. 34, 4755 (1995), by refractiveindex.info, interpolated";
 
-double cosine_of_incidence(const MirrorBall& ball, V2d position) {
-    const auto d = ball.to_direction(position);
-    if (!d) return 0;
-    // The reflected direction makes twice the angle of incidence with the one to the camera.
-    return std::sqrt(std::max(0.0, (1 - d->normalized().dot(ball.ray(position))) / 2));
+double cosine_of_incidence(const MirrorBall& ball, V2d position, V3d reflected) {
+    // It makes twice the angle of incidence with the direction to the camera.
+    return std::sqrt(std::max(0.0, (1 - reflected.normalized().dot(ball.ray(position))) / 2));
 }
 
 }  // namespace
@@ -64,16 +62,19 @@ const BallMaterial* find_ball_material(std::string_view name) {
 }
 
 void undo_reflectance(Image& pixels, const MirrorBall& ball, const Affine& to_pixels,
-                      const Reflectance& reflectance) {
+                      const Reflectance& reflectance, bool inside) {
     const Affine from_pixels = to_pixels.inverse();
+    const bool anywhere = reflectance.constant() && !inside;
     for_each_band(pixels.height(), 16, [&](int first, int last) {
         for (int y = first; y < last; ++y)
             for (int x = 0; x < pixels.width(); ++x) {
-                const V2d position = reflectance.constant()
-                                         ? V2d(0, 0)
-                                         : from_pixels(Vec2<double>(x + 0.5, y + 0.5));
-                const double cosine =
-                    reflectance.constant() ? 1 : cosine_of_incidence(ball, position);
+                double cosine = 1;
+                if (!anywhere) {
+                    const V2d position = from_pixels(Vec2<double>(x + 0.5, y + 0.5));
+                    const auto d = ball.to_direction(position);
+                    if (inside && !d) continue;
+                    cosine = d ? cosine_of_incidence(ball, position, *d) : 0;
+                }
                 const auto r = reflectance.at(cosine);
                 for (std::size_t c = 0; c < 3; ++c)
                     pixels.pixel(x, y)[c] /= static_cast<float>(r[c]);

@@ -51,8 +51,9 @@ const BallMaterial* find_ball_material(std::string_view name);
 ///
 /// pixels      3 or 4 channels, the part of the photo that has the ball
 /// to_pixels   from the positions that `ball` knows to those in `pixels`
-/// Pixels outside the ball count as grazed.
+/// inside      pixels whose middle does not show the ball stay as they are; else they count as
+///             grazed
 void undo_reflectance(Image& pixels, const MirrorBall& ball, const Affine& to_pixels,
-                      const Reflectance& reflectance);
+                      const Reflectance& reflectance, bool inside = false);
 
 }  // namespace chromeball

@@ -234,6 +234,20 @@ TEST_F(Merge, LaysABumpedBracketOnItself) {
     EXPECT_LT(error_of("out.exr").median, 0.06);
 }
 
+TEST_F(Merge, ThePhotoWhoseBallIsLostIsLaidOnTheOthersByThePicture) {
+    Image covered = cut(garden(), 20 - 3, 10 + 2, kSize);
+    for (int y = 60; y < 245; ++y)  // somebody walks through before it
+        for (int x = 160; x < 340; ++x) std::fill_n(covered.pixel(x, y), 3, 0.08F);
+    write_take(folder / "a.jpg", covered, 250.0 / 400, 1.0 / 400);
+    const Outcome outcome =
+        merge(with({"a.jpg", "b.jpg", "c.jpg", "-o", "out.exr", "--json"}, kLinear));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(
+        outcome.says("a.jpg: its ball is lost; it is laid on the others by the whole "
+                     "picture"))
+        << outcome.err;
+}
+
 TEST_F(Merge, TheBracketWhoseBallIsLostInOneExposureIsMerged) {
     // The one in the repository: the ball of the longest exposure is all but clipped.
     const Words words{
@@ -251,6 +265,49 @@ TEST_F(Merge, TheBracketWhoseBallIsLostInOneExposureIsMerged) {
     ASSERT_EQ(map.status, 0) << map.err;
     EXPECT_TRUE(map.says("--focal-px 933.33 (chromeball)")) << map.err;
     EXPECT_EQ(map.err.find("warning"), std::string::npos) << map.err;
+}
+
+TEST_F(Merge, UndoesTheMirrorsTintInsideTheBallAndOnlyOnce) {
+    const Words ball{"a.jpg", "b.jpg", "c.jpg", "--ball", "248.1,151.8,73.5", "--float"};
+    ASSERT_EQ(merge(with(ball, {"-o", "plain.exr"})).status, 0);
+    const Outcome outcome = merge(with(ball, {"--reflectance", "0.8,0.5,0.9", "-o", "undone.exr"}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(outcome.says("reflectance is undone inside --ellipse 248.10,151.80"))
+        << outcome.err;
+    const Image plain = read_floats(folder / "plain.exr"),
+                undone = read_floats(folder / "undone.exr");
+    const float tint[] = {0.8F, 0.5F, 0.9F};
+    for (const auto& [x, y] : {std::pair{248, 151}, {210, 120}, {250, 215}})  // in the ball
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(undone.pixel(x, y)[c] * tint[c] / plain.pixel(x, y)[c], 1, 1e-5);
+    for (const auto& [x, y] : {std::pair{20, 20}, {248, 70}, {450, 150}})  // around it
+        for (int c = 0; c < 4; ++c) EXPECT_EQ(undone.pixel(x, y)[c], plain.pixel(x, y)[c]);
+    EXPECT_EQ(provenance_from(read_header(folder / "undone.exr").metadata)->reflectance,
+              "0.8,0.5,0.9");
+
+    // What is made of it must not have that done again.
+    const Words once{"--ball", "248.1,151.8,73.5", "--size", "64"};
+    ASSERT_EQ(run(folder, with({"convert", "undone.exr", "-o", "map.exr"}, once)).status, 0);
+    expect_refusal(
+        folder,
+        with({"convert", "undone.exr", "-o", "map.exr", "--reflectance", "0.8,0.5,0.9"}, once), 2,
+        {"undone.exr", "0.8,0.5,0.9", "undone already", "leave --reflectance out"});
+    ASSERT_EQ(
+        run(folder, {"detect", "undone.exr", "--near", "248,152", "--crop", "crop.exr"}).status, 0);
+    expect_refusal(folder,
+                   {"convert", "crop.exr", "--cropped", "-o", "map.exr", "--reflectance", "0.8"}, 2,
+                   {"crop.exr", "undone already"});
+}
+
+TEST_F(Merge, CannotUndoATintWithoutABall) {
+    Image ramp({200, 100}, 3);
+    for (int y = 0; y < 100; ++y)
+        for (int i = 0; i < 600; ++i) ramp.row(y)[i] = 0.02F + 0.002F * static_cast<float>(i / 3);
+    write_take(folder / "r1.jpg", ramp, 1, 0.01);
+    write_take(folder / "r2.jpg", ramp, 2, 0.02);
+    expect_refusal(folder,
+                   {"merge", "r1.jpg", "r2.jpg", "--quiet", "--reflectance", "0.8", "-o", "x.exr"},
+                   4, {"--reflectance 0.8", "no mirror ball", "--ball", "convert"});
 }
 
 TEST_F(Merge, LinearExrsMergeLinearly) {
@@ -305,7 +362,9 @@ TEST_F(Merge, RefusesWhatIsTypedWrong) {
          {{"merge", "a.jpg", "b.jpg", "--response", "agfa", "-o", "out.exr"}, {"--response"}},
          {{"merge", "a.jpg", "b.jpg", "--ball", "1,2", "-o", "out.exr"}, {"--ball"}},
          {{"merge", "a.jpg", "b.jpg", "--output-space", "srgb_texture", "-o", "out.exr"},
-          {"--output-space", "linear"}}});
+          {"--output-space", "linear"}},
+         {{"merge", "a.jpg", "b.jpg", "--reflectance", "1.5", "-o", "out.exr"},
+          {"--reflectance 1.5"}}});
 }
 
 TEST_F(Merge, RefusesPhotosThatDoNotGoTogether) {
