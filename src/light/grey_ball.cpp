@@ -6,8 +6,9 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
-#include "core/luminance.h"
+#include "core/statistics.h"
 
 namespace chromeball {
 namespace {
@@ -191,6 +192,49 @@ std::vector<ClippedRegion> told_apart(std::vector<ClippedRegion> regions) {
     return kept;
 }
 
+/// The mirror ball as the grey one has it beside itself, in its own radii from its own middle.
+struct Neighbour {
+    V3d centre;
+    double radius = 0;
+
+    /// The part of what lights a place of the grey ball, by cosine, that the mirror ball hides.
+    double share(V3d normal) const {
+        const V3d to = centre - normal;
+        const double distance = to.length();
+        if (distance <= radius) return 1;
+        const V3d axis = to / distance;
+        const double sine = radius / distance, cosine = std::sqrt(1 - sine * sine);
+        if (normal.dot(axis) <= -sine) return 0;
+        if (normal.dot(axis) >= sine) return normal.dot(axis) * sine * sine;  // all above horizon
+        const V3d side = axis.cross(std::abs(axis.x) < 0.6 ? V3d(1, 0, 0) : V3d(0, 1, 0));
+        const V3d e1 = side.normalized(), e2 = axis.cross(e1);
+        constexpr int kRings = 6, kAround = 12;
+        double sum = 0;
+        for (int ring = 0; ring < kRings; ++ring)
+            for (int i = 0; i < kAround; ++i) {  // of equal solid angles
+                const double c = 1 - (1 - cosine) * (ring + 0.5) / kRings;
+                const double s = std::sqrt(1 - c * c), turn = 2 * pi * (i + 0.5) / kAround;
+                const V3d d = axis * c + e1 * (s * std::cos(turn)) + e2 * (s * std::sin(turn));
+                sum += std::max(0.0, d.dot(normal));
+            }
+        return sum / (kRings * kAround) * 2 * (1 - cosine);
+    }
+};
+
+/// Nobody tells how large both balls are; they are taken to stand equally far from the camera, as
+/// such balls are put beside each other.
+Neighbour neighbour_of(const MirrorBall& mirror, const MirrorBall& grey) {
+    if (mirror.orthographic() || grey.orthographic()) {
+        const Outline &m = mirror.outline(), &g = grey.outline();
+        const double radius = std::sqrt(g.a * g.b);
+        return {V3d((m.cx - g.cx) / radius, (g.cy - m.cy) / radius, 0),
+                std::sqrt(m.a * m.b) / radius};
+    }
+    const V3d here = grey.axis() * grey.distance();
+    const double radius = here.dot(mirror.axis()) / mirror.distance();
+    return {mirror.axis() * (mirror.distance() * radius) - here, radius};
+}
+
 /// A part of the grey ball: its normal and what it shows.
 struct Facet {
     V3d normal;
@@ -199,7 +243,8 @@ struct Facet {
 };
 
 /// Means over small squares of the grey ball's inside.
-std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& usable) {
+std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& usable,
+                             const Neighbour& neighbour) {
     constexpr int kAcross = 40;  // squares over the ball's width
     const Outline& e = grey.ball.outline();
     const double radius = std::sqrt(e.a * e.b * std::abs(grey.to_pixels.determinant()));
@@ -229,6 +274,10 @@ std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& u
     for (Facet cell : cells) {
         if (cell.pixels < std::max(1, side * side / 8)) continue;
         cell.normal.normalize();
+        // What the mirror ball hides from there and what it throws there in its place is a guess;
+        // facing it that would be a third of the light.
+        constexpr double kMost = 0.05;
+        if (neighbour.share(cell.normal) > kMost) continue;
         for (double& v : cell.shown) v /= cell.pixels;
         facets.push_back(cell);
     }
@@ -278,32 +327,92 @@ Vector not_negative(const Matrix& normal, const Vector& right) {
     return x;
 }
 
+using Columns = std::vector<Eigen::Index>;
+
 /// One channel: the grey ball's facets are columns times unknowns, plus what is known.
 struct Channel {
     Matrix columns;
     Vector known, shown;
 
-    /// Huber's weights in a few rounds; shadows and stands are outliers.
-    Vector solve() const {
+    Vector explained(const Vector& x) const { return columns * x + known; }
+
+    /// The unknowns of some columns, the others 0. Huber's weights in a few rounds; shadows and
+    /// stands are outliers.
+    Vector solve(const Columns& used) const {
+        Vector all = Vector::Zero(columns.cols());
+        if (used.empty()) return all;
+        all(used) = solved(columns(Eigen::all, used));
+        return all;
+    }
+
+private:
+    Vector solved(const Matrix& part) const {
         Vector weights = Vector::Ones(shown.size());
         Vector x;
         for (int round = 0; round < 12; ++round) {
-            const Matrix weighted = weights.asDiagonal() * columns;
-            Matrix normal = weighted.transpose() * columns;
+            const Matrix weighted = weights.asDiagonal() * part;
+            Matrix normal = weighted.transpose() * part;
             // Regions that the ball cannot tell apart share the light rather than fight over it.
             normal.diagonal() *= 1 + 1e-6;
             x = not_negative(normal, weighted.transpose() * (shown - known));
-            const Vector off = (columns * x + known - shown).cwiseAbs();
-            std::vector<double> sorted(off.begin(), off.end());
-            const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-            std::nth_element(sorted.begin(), middle, sorted.end());
-            const double far = std::max(2.5 * *middle, 1e-3 * shown.mean());
+            const Vector off = (part * x + known - shown).cwiseAbs();
+            const double middle = median({off.begin(), off.end()});
+            const double far = std::max(2.5 * middle, 1e-3 * shown.mean());
             for (Eigen::Index i = 0; i < off.size(); ++i)
                 weights[i] = off[i] > far ? far / off[i] : 1;
         }
         return x;
     }
 };
+
+/// All three at once.
+using Channels = std::array<Channel, 3>;
+using Solution = std::array<Vector, 3>;
+
+Solution solution_of(const Channels& channels, const Columns& used) {
+    return {channels[0].solve(used), channels[1].solve(used), channels[2].solve(used)};
+}
+
+/// What is left unexplained: mean magnitudes, as parts of the means.
+double misfit_of(const Channels& channels, const Solution& x) {
+    double sum = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+        sum += (channels[c].explained(x[c]) - channels[c].shown).cwiseAbs().mean() /
+               channels[c].shown.mean();
+    return sum;
+}
+
+/// The fewest regions that explain the grey ball, the same of all channels: one more as long as
+/// that explains clearly more. With all of them free, regions that hardly light the side which the
+/// camera sees would take any amount of light to mend what stands, noise and paint do there.
+Solution fewest_regions(const Channels& channels, Eigen::Index regions) {
+    constexpr double kClearly = 0.95;
+    Columns used;
+    for (Eigen::Index i = regions; i < channels[0].columns.cols(); ++i) used.push_back(i);
+    Solution best = solution_of(channels, used);
+    double misfit = misfit_of(channels, best);
+    std::vector<bool> taken(static_cast<std::size_t>(regions));
+    for (Eigen::Index round = 0; round < regions; ++round) {
+        std::optional<Eigen::Index> next;
+        double least = kClearly * misfit;
+        for (Eigen::Index i = 0; i < regions; ++i) {
+            if (taken[static_cast<std::size_t>(i)]) continue;
+            used.push_back(i);
+            const Solution one = solution_of(channels, used);
+            used.pop_back();
+            if (const double its = misfit_of(channels, one); its < least) {
+                least = its;
+                next = i;
+                best = one;
+            }
+        }
+        if (!next) break;
+        misfit = least;
+        taken[static_cast<std::size_t>(*next)] = true;
+        used.push_back(*next);
+    }
+    return best;
+}
 
 double rms(const Vector& v) { return std::sqrt(v.squaredNorm() / static_cast<double>(v.size())); }
 
@@ -316,7 +425,7 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
     assert(usable.size() == grey.pixels->size().pixels());
     GreyBallFit fit;
     fit.regions = told_apart(connected(mirror, clipped));
-    const std::vector<Facet> facets = facets_of(grey, usable);
+    const std::vector<Facet> facets = facets_of(grey, usable, neighbour_of(mirror.ball, grey.ball));
     fit.pixels = 0;
     for (const Facet& facet : facets) fit.pixels += static_cast<std::size_t>(facet.pixels);
     fit.reflectance = options.reflectance;
@@ -346,9 +455,12 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
     const auto rows = static_cast<Eigen::Index>(facets.size());
     const auto regions = static_cast<Eigen::Index>(fit.regions.size());
     const Eigen::Index unknowns = regions + (options.solve_reflectance ? 1 : 0);
-    double squares = 0, before = 0;
+    Channels channels;
     for (std::size_t c = 0; c < 3; ++c) {
-        Channel channel{Matrix(rows, unknowns), Vector::Zero(rows), Vector(rows)};
+        Channel& channel = channels[c];
+        channel.columns = Matrix(rows, unknowns);
+        channel.known = Vector::Zero(rows);
+        channel.shown = Vector(rows);
         const double unit = options.reflectance[c] / pi;
         for (Eigen::Index i = 0; i < rows; ++i) {
             const Facet& facet = facets[static_cast<std::size_t>(i)];
@@ -362,9 +474,12 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
                 channel.columns(i, r) =
                     unit * irradiance_of(parts[static_cast<std::size_t>(r)], facet.normal)[c];
         }
-        Vector x = unknowns > 0 ? channel.solve() : Vector();
-        const Vector shown =
-            unknowns > 0 ? Vector(channel.columns * x + channel.known) : channel.known;
+    }
+    const Solution solution = fewest_regions(channels, regions);
+    double squares = 0, before = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Channel& channel = channels[c];
+        const Vector& x = solution[c];
         Vector bare = channel.known;
         double share = 1;
         if (options.solve_reflectance) {
@@ -373,7 +488,7 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
             fit.reflectance[c] *= share;
         }
         const double mean = channel.shown.mean();
-        squares += std::pow(rms(shown - channel.shown) / mean, 2);
+        squares += std::pow(rms(channel.explained(x) - channel.shown) / mean, 2);
         before += std::pow(rms(bare - channel.shown) / mean, 2);
         for (Eigen::Index r = 0; r < regions; ++r) {
             ClippedRegion& region = fit.regions[static_cast<std::size_t>(r)];

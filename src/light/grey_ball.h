@@ -46,8 +46,10 @@ struct GreyBallFit {
 /// under Captured Natural Illumination, 2004, section on clipped suns, after Debevec 2003: a
 /// diffuse ball beside the probe is lit by what the probe shows plus, from the directions where it
 /// clips, light in unknown amounts. Its pixels are reflectance / pi times irradiance, linear in
-/// those amounts: least squares, none of them negative, a channel at a time, and little weight for
-/// what does not fit (shadows, the stand).
+/// those amounts: least squares, none of them negative, in as few regions as explain it, with
+/// little weight for what does not fit (shadows, the stand). What faces the mirror ball does not
+/// count: it is not lit by what the mirror shows but by the mirror. Both are taken to stand equally
+/// far away.
 ///
 /// mirror    reflectance undone, clipped pixels at their clipped value or what is known to be there
 /// clipped   one value a pixel of mirror.pixels, not 0 where it clips
