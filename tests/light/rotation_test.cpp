@@ -81,8 +81,8 @@ TEST(Align, FindsTurnsFromSixtyDegreesToBackToBack) {
     struct Case {
         double apart, tolerance;
     };
-    for (const auto& [apart, tolerance] : {Case{60, 0.05}, Case{75, 0.05}, Case{90, 0.05},
-                                           Case{120, 0.05}, Case{150, 0.08}, Case{180, 0.15}}) {
+    for (const auto& [apart, tolerance] :
+         {Case{60, 0.05}, Case{90, 0.05}, Case{120, 0.05}, Case{150, 0.08}, Case{180, 0.15}}) {
         unsigned seed = static_cast<unsigned>(apart);
         for (const Rotation& turn : random_turns(apart, 1, seed)) {
             const Place place(++seed);
