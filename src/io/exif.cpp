@@ -1,13 +1,14 @@
 #include "io/exif.h"
 
+#include <libexif/exif-data.h>
+
 #include <algorithm>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
-
-#include "io/bytes.h"
 
 namespace chromeball::io {
 namespace {
@@ -82,83 +83,52 @@ constexpr Tag kTags[] = {
     {42037, "Exif:LensSerialNumber"},
     {42240, "Exif:Gamma"},
 };
-constexpr std::uint32_t kOrientation = 274, kExifDirectory = 34665, kColorSpace = 40961;
-
-// TIFF 6.0, the types of values.
-enum Type : std::uint32_t {
-    kByte = 1,
-    kAscii = 2,
-    kShort = 3,
-    kLong = 4,
-    kRational = 5,
-    kUndefined = 7,
-    kSignedLong = 9,
-    kSignedRational = 10
-};
-
-std::size_t size_of(std::uint32_t type) {
-    switch (type) {
-        case kByte:
-        case kAscii:
-        case kUndefined:
-            return 1;
-        case kShort:
-            return 2;
-        case kLong:
-        case kSignedLong:
-            return 4;
-        case kRational:
-        case kSignedRational:
-            return 8;
-        default:
-            return 0;
-    }
-}
-
-/// A tag and where its values are.
-struct Entry {
-    std::uint32_t tag = 0, type = 0;
-    std::size_t count = 0;
-    std::span<const std::byte> values;
-};
-
-class Directories {
+/// libexif's entry with bounds: its numbers by their places.
+class Entry {
 public:
-    explicit Directories(std::span<const std::byte> tiff)
-        : tiff_(tiff), big_(starts_with(tiff, 0, "MM")) {}
+    Entry(const ExifEntry& entry, ExifByteOrder order)
+        : entry_(entry), order_(order), step_(exif_format_get_size(entry.format)) {}
 
-    /// Calls work(entry) for all of the first directory and of EXIF's own.
-    template <class Work>
-    void for_each(const Work& work) const {
-        if (tiff_.size() < 8 || u16(0 + 2) != 42) return;
-        std::size_t exif = 0;
-        walk(u32(4), [&](const Entry& entry) {
-            if (entry.tag == kExifDirectory && entry.type == kLong && entry.count == 1)
-                exif = static_cast<std::size_t>(number(entry, 0));
-            work(entry);
-        });
-        if (exif > 0) walk(exif, work);
+    /// 0 where its values are not all there.
+    std::size_t count() const {
+        return step_ > 0 && entry_.data && entry_.components <= entry_.size / step_
+                   ? entry_.components
+                   : 0;
     }
-
-    double number(const Entry& entry, std::size_t i) const {
-        const auto at =
-            static_cast<std::size_t>(entry.values.data() - tiff_.data()) + i * size_of(entry.type);
-        switch (entry.type) {
-            case kByte:
-                return byte_at(tiff_, at);
-            case kShort:
-                return u16(at);
-            case kLong:
-                return u32(at);
-            case kSignedLong:
-                return static_cast<std::int32_t>(u32(at));
-            case kRational:
-                return ratio(u32(at), u32(at + 4));
-            case kSignedRational:
-                return ratio(static_cast<std::int32_t>(u32(at)),
-                             static_cast<std::int32_t>(u32(at + 4)));
+    bool is_ratio() const {
+        return entry_.format == EXIF_FORMAT_RATIONAL || entry_.format == EXIF_FORMAT_SRATIONAL;
+    }
+    bool is_text() const {
+        constexpr std::size_t kVersionDigits = 4;  // EXIF's own version
+        return entry_.format == EXIF_FORMAT_ASCII ||
+               (entry_.format == EXIF_FORMAT_UNDEFINED && count() == kVersionDigits);
+    }
+    std::string text() const {
+        const std::string_view all(reinterpret_cast<const char*>(entry_.data), count());
+        return std::string(all.substr(0, all.find('\0')));
+    }
+    /// Nothing for formats that hold no numbers.
+    std::optional<double> number(std::size_t i) const {
+        const unsigned char* at = entry_.data + i * step_;
+        switch (entry_.format) {
+            case EXIF_FORMAT_BYTE:
+                return *at;
+            case EXIF_FORMAT_SHORT:
+                return exif_get_short(at, order_);
+            case EXIF_FORMAT_LONG:
+                return exif_get_long(at, order_);
+            case EXIF_FORMAT_SLONG:
+                return exif_get_slong(at, order_);
+            case EXIF_FORMAT_RATIONAL: {
+                const ExifRational r = exif_get_rational(at, order_);
+                return ratio(r.numerator, r.denominator);
+            }
+            case EXIF_FORMAT_SRATIONAL: {
+                const ExifSRational r = exif_get_srational(at, order_);
+                return ratio(r.numerator, r.denominator);
+            }
             default:
-                return 0;
+                return std::nullopt;
         }
     }
 
@@ -167,80 +137,76 @@ private:
     static double ratio(double over, double under) {
         return under == 0 ? 0 : static_cast<double>(static_cast<float>(over / under));
     }
-    std::uint32_t u16(std::size_t at) const {
-        return big_ ? big_endian_16(tiff_, at) : little_endian_16(tiff_, at);
-    }
-    std::uint32_t u32(std::size_t at) const {
-        return big_ ? big_endian_32(tiff_, at) : little_endian_32(tiff_, at);
-    }
 
-    template <class Work>
-    void walk(std::size_t directory, const Work& work) const {
-        constexpr std::size_t kEntry = 12, kInside = 4;
-        if (directory > tiff_.size() || tiff_.size() - directory < 2) return;
-        const std::size_t entries = u16(directory);
-        for (std::size_t i = 0; i < entries; ++i) {
-            const std::size_t at = directory + 2 + kEntry * i;
-            if (at + kEntry > tiff_.size()) return;
-            Entry entry{u16(at), u16(at + 2), u32(at + 4), {}};
-            const std::size_t size = size_of(entry.type);
-            if (size == 0 || entry.count == 0 || entry.count > tiff_.size() / size) continue;
-            const std::size_t bytes = size * entry.count;
-            const std::size_t from = bytes > kInside ? u32(at + 8) : at + 8;
-            if (from > tiff_.size() || tiff_.size() - from < bytes) continue;
-            entry.values = tiff_.subspan(from, bytes);
-            work(entry);
-        }
-    }
-
-    std::span<const std::byte> tiff_;
-    bool big_;
+    const ExifEntry& entry_;
+    ExifByteOrder order_;
+    std::size_t step_;
 };
 
-/// Text up to its end.
-std::string text_of(const Entry& entry) {
-    const std::string_view all(reinterpret_cast<const char*>(entry.values.data()),
-                               entry.values.size());
-    return std::string(all.substr(0, all.find('\0')));
-}
-
-std::optional<Attribute> attribute_of(const Directories& file, const Entry& entry,
-                                      std::string_view name) {
+std::optional<Attribute> attribute_of(const Entry& entry, std::string_view name) {
     Attribute attribute{std::string(name), {}, {}, {}};
-    constexpr std::size_t kVersionDigits = 4;  // EXIF's own version
-    if (entry.type == kAscii || (entry.type == kUndefined && entry.count == kVersionDigits)) {
+    const std::size_t count = entry.count();
+    if (count == 0) return std::nullopt;
+    if (entry.is_text()) {
         attribute.type = "string";
-        attribute.text = text_of(entry);
+        attribute.text = entry.text();
         return attribute;
     }
     constexpr std::size_t kMostNumbers = 4;  // a zoom lens
-    if (entry.type == kUndefined || entry.count > kMostNumbers) return std::nullopt;
-    const bool ratio = entry.type == kRational || entry.type == kSignedRational;
-    if (entry.count > 1 && !ratio) return std::nullopt;
-    attribute.type = entry.count > 1 ? "floatvector" : ratio ? "float" : "int";
-    for (std::size_t i = 0; i < entry.count; ++i)
-        attribute.numbers.push_back(file.number(entry, i));
+    if (count > kMostNumbers || (count > 1 && !entry.is_ratio())) return std::nullopt;
+    attribute.type = count > 1 ? "floatvector" : entry.is_ratio() ? "float" : "int";
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto number = entry.number(i);
+        if (!number) return std::nullopt;
+        attribute.numbers.push_back(*number);
+    }
     return attribute;
+}
+
+std::optional<double> whole_number(const Entry& entry) {
+    return entry.count() == 1 && !entry.is_ratio() ? entry.number(0) : std::nullopt;
+}
+
+void take(const Entry& entry, std::uint32_t tag, Exif& exif) {
+    if (const auto number = whole_number(entry)) {
+        if (tag == EXIF_TAG_ORIENTATION && *number >= 1 && *number <= 8)
+            exif.orientation = static_cast<int>(*number);
+        if (tag == EXIF_TAG_COLOR_SPACE) exif.srgb = *number == 1;
+    }
+    const auto* known = std::ranges::find(kTags, tag, &Tag::number);
+    if (known == std::end(kTags)) return;
+    if (auto attribute = attribute_of(entry, known->name)) exif.metadata.set(std::move(*attribute));
+}
+
+using Data = std::unique_ptr<ExifData, decltype(&exif_data_unref)>;
+
+Data parsed(std::span<const std::byte> tiff) {
+    Data data(exif_data_new(), &exif_data_unref);
+    if (!data) throw std::bad_alloc();
+    // Values as the camera wrote them, of tags that libexif may not know.
+    exif_data_unset_option(data.get(), EXIF_DATA_OPTION_FOLLOW_SPECIFICATION);
+    exif_data_unset_option(data.get(), EXIF_DATA_OPTION_IGNORE_UNKNOWN_TAGS);
+    std::string bytes("Exif\0\0", 6);  // libexif wants what a JPEG holds
+    bytes.append(reinterpret_cast<const char*>(tiff.data()), tiff.size());
+    constexpr std::size_t kMost = 0xffff;  // more than a JPEG can hold is pictures
+    exif_data_load_data(data.get(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                        static_cast<unsigned>(std::min(bytes.size(), kMost)));
+    return data;
 }
 
 }  // namespace
 
 Exif read_exif(std::span<const std::byte> tiff) {
     Exif exif;
-    if (!starts_with(tiff, 0, "II") && !starts_with(tiff, 0, "MM")) return exif;
-    const Directories file(tiff);
-    file.for_each([&](const Entry& entry) {
-        const bool one_number = entry.count == 1 && (entry.type == kShort || entry.type == kLong);
-        if (entry.tag == kOrientation && one_number) {
-            const double value = file.number(entry, 0);
-            if (value >= 1 && value <= 8) exif.orientation = static_cast<int>(value);
+    const Data data = parsed(tiff);
+    const ExifByteOrder order = exif_data_get_byte_order(data.get());
+    for (const ExifIfd part : {EXIF_IFD_0, EXIF_IFD_EXIF}) {
+        const ExifContent* content = data->ifd[part];
+        for (unsigned i = 0; content && i < content->count; ++i) {
+            const ExifEntry& entry = *content->entries[i];
+            take(Entry(entry, order), entry.tag, exif);
         }
-        if (entry.tag == kColorSpace && one_number) exif.srgb = file.number(entry, 0) == 1;
-        const auto* known = std::ranges::find(kTags, entry.tag, &Tag::number);
-        if (known == std::end(kTags)) return;
-        if (auto attribute = attribute_of(file, entry, known->name))
-            exif.metadata.set(std::move(*attribute));
-    });
+    }
     return exif;
 }
 
