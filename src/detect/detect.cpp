@@ -9,6 +9,7 @@
 #include "detect/edge.h"
 #include "detect/focal.h"
 #include "detect/grey.h"
+#include "detect/moving.h"
 #include "detect/rim.h"
 #include "detect/score.h"
 
@@ -25,11 +26,10 @@ constexpr std::size_t kMostFollowedExpected = 8;
 constexpr std::size_t kMostCandidatesKnown = 3;  // where it is known but for a sixth of its radius
 constexpr double kWorthTelling = 0.05;  // candidates below it are only clutter, but for the best
 constexpr double kWorthSettling = 0.15;
-constexpr double kSure = 0.9;
+constexpr double kFound = 0.5;
 constexpr double kHopeless = 1e-4;
 constexpr std::size_t kMostEscaping = 6;
-constexpr double kNested = 0.25;      // of the radius: so near, only one of two rims is a ball's
-constexpr double kScoredRadius = 90;  // of the level on which the inside is looked at
+constexpr double kNested = 0.25;  // of the radius: so near, only one of two rims is a ball's
 
 /// A candidate on its way; outline in pixels of the photo's pixel window.
 struct Draft {
@@ -41,13 +41,6 @@ struct Draft {
     std::optional<ShapeCovariance> covariance;  ///< of the outline as a Shape
     std::optional<FocalEstimate> focal;
 };
-
-Outline scaled(const Outline& o, double sx, double sy) {
-    const double s = 0.5 * (sx + sy);  // the two differ by the rounding of a level's size only
-    return {o.cx * sx, o.cy * sy, o.a * s, o.b * s, o.angle};
-}
-
-double radius(const Outline& o) { return std::sqrt(o.a * o.b); }
 
 /// Same ball: outlines nearly on top of each other.
 bool same(const Outline& one, const Outline& other, double tolerance) {
@@ -62,13 +55,6 @@ bool lost(const Outline& o, Size size) {
     if (!(o.b > 0) || !(r >= 6) || !(r < 2.0 * std::max(size.width, size.height))) return true;
     return o.cx < -0.7 * r || o.cy < -0.7 * r || o.cx > size.width + 0.7 * r ||
            o.cy > size.height + 0.7 * r || o.b < 0.75 * o.a;
-}
-
-/// The finest level on which the radius is at most `largest`.
-const Level& level_for(const std::vector<Level>& levels, double photo_radius, double largest) {
-    for (const Level& level : levels)
-        if (photo_radius / level.scale() <= largest) return level;
-    return levels.back();
 }
 
 /// How a rim is followed at one scale: everything in parts of the radius, but never finer than the
@@ -248,103 +234,72 @@ double score_inside(const Draft& draft) {
     return score_of(e);
 }
 
-/// The outermost trace of the ball, free to be longer than the lens would have a ball; none where
-/// no such rim is.
-std::optional<Outline> trace_of(const Outline& start, const Picture& picture, const Lens& loose) {
-    constexpr double kLeastEvidence = 3;
-    Outline trace = start;
-    double evidence = 0;
-    for (const double part : {0.04, 0.02, 0.01, 0.01}) {
-        const double r = radius(trace);
-        const EdgeSearch search{.rays = 128, .step = std::max(0.7, part * r)};
-        const EdgeFit fit = fit_edge(picture.grey, trace, search, loose);
-        if (fit.known < 0.5 || lost(fit.outline, picture.grey.pixels.size)) return {};
-        trace = fit.outline;
-        evidence = fit.evidence;
-    }
-    if (evidence < kLeastEvidence) return {};
-    return trace;
-}
-
-/// Mean squares and product of the slopes inside of an outline.
-struct Slopes {
-    double xx = 0, yy = 0, xy = 0;
-
-    double squares(const V2d& way) const {
-        return xx * way.x * way.x + yy * way.y * way.y + 2 * xy * way.x * way.y;
-    }
-    /// Slopes along a way over those across it: what moved along it is smeared to streaks.
-    double along(const V2d& way) const {
-        return std::sqrt(squares(way) / std::max(squares({-way.y, way.x}), 1e-12));
-    }
-    /// The same along the way where it is least.
-    double least_along() const {
-        const double half = 0.5 * (xx + yy), apart = std::hypot(0.5 * (xx - yy), xy);
-        return std::sqrt(std::max(0.0, half - apart) / std::max(half + apart, 1e-12));
-    }
-};
-
-Slopes slopes_inside(const Outline& outline, const Picture& picture) {
-    const Level& level = level_for(picture.levels, radius(outline), kScoredRadius);
-    const Outline o = scaled(outline, 1 / level.scale_x, 1 / level.scale_y);
-    const double reach = 0.8 * o.b;
-    const auto [w, h] = level.grey.size;
-    Slopes slopes;
-    for (int y = std::max(1, static_cast<int>(o.cy - reach));
-         y < std::min(h - 1, static_cast<int>(o.cy + reach)); ++y)
-        for (int x = std::max(1, static_cast<int>(o.cx - reach));
-             x < std::min(w - 1, static_cast<int>(o.cx + reach)); ++x) {
-            if (std::hypot(x + 0.5 - o.cx, y + 0.5 - o.cy) > reach) continue;
-            const auto gx =
-                static_cast<double>(level.grey.row(y)[x + 1] - level.grey.row(y)[x - 1]);
-            const auto gy =
-                static_cast<double>(level.grey.row(y + 1)[x] - level.grey.row(y - 1)[x]);
-            slopes.xx += gx * gx, slopes.yy += gy * gy, slopes.xy += gx * gy;
-        }
-    return slopes;
-}
-
-/// Takes a draft for a ball that moved during the exposure if it left a longer trace than the lens
-/// allows a ball, and shows the world inside. Others are left as they are.
-///
-/// Where the rim is smeared the picture begins to differ from the background at the outer end of
-/// the smear: the edges found are those of the trace, not of the ball in the middle of the
-/// exposure.
-void seek_motion(Draft& draft, const Picture& picture) {
-    constexpr double kLeastMotion = 0.08;  // of the radius
-    constexpr double kLeastSurprise = 3;   // deviations
-    // What moved shows 0.4 to 0.65 on painted pictures, what did not 0.8 to 1.3.
-    constexpr double kMostAlong = 0.75;
-    constexpr double kSlack = 0.1;  // of the ellipticity: half a radius of motion
-    if (slopes_inside(draft.outline, picture).least_along() > kMostAlong) return;
-    Lens loose = picture.lens;
-    loose.slack = kSlack;
-    const auto trace = trace_of(draft.outline, picture, loose);
-    if (!trace) return;
-    const Moved way = moved_from(*trace, picture.lens);
-    Draft moved = draft;
-    moved.outline = way.outline;
-    moved.motion = {way.x, way.y};
-    if (moved.motion.length() < kLeastMotion * radius(way.outline) ||
-        way.surprise < kLeastSurprise || lost(way.outline, picture.grey.pixels.size))
-        return;
-    const Pass& pass = kPasses[1];
-    const Level& level = level_for(picture.levels, radius(*trace), pass.largest_radius);
-    const double s = level.scale();
-    moved.rim = fit_rim(level.grey, scaled(*trace, 1 / level.scale_x, 1 / level.scale_y),
-                        search_of(pass, radius(*trace) / s),
-                        loose.scaled(1 / level.scale_x, 1 / level.scale_y));
-    moved.rim.blur *= s;
-    moved.rim.scatter *= s;
-    judge(moved, picture);
-    if (moved.score > 0.5 &&
-        slopes_inside(moved.outline, picture).along(moved.motion.normalized()) < kMostAlong)
-        draft = moved;
-}
-
 void sort_by_score(std::vector<Draft>& drafts) {
     std::stable_sort(drafts.begin(), drafts.end(),
                      [](const Draft& a, const Draft& b) { return a.score > b.score; });
+}
+
+Draft draft_of(const MovedBall& ball) {
+    Draft draft;
+    draft.outline = ball.outline;
+    draft.motion = ball.motion;
+    draft.covariance = ball.covariance;
+    draft.rim.visible = ball.visible;
+    draft.score = ball.chance;
+    return draft;
+}
+
+/// Balls that moved during the exposure, near the most promising drafts: those that show the world,
+/// and streaks. The rim of such a ball is weak, so `rough` drafts count that were passed over.
+std::vector<Draft> seek_moved(const std::vector<Draft>& rough, const Picture& picture) {
+    constexpr double kHopelessInside = 1e-3;
+    constexpr double kClear = 0.25;  // clarity of streaks; more does not say more
+    constexpr double kSameHope = 0.06;
+    constexpr double kSameThing = 0.4;
+    constexpr std::size_t kMostFits = 5;
+    std::vector<std::pair<double, MovedStart>> hopes;  // with how promising they are
+    std::vector<Outline> seen;
+    for (const Draft& draft : rough) {
+        const double inside = score_inside(draft);
+        if (inside < kHopelessInside ||
+            std::any_of(seen.begin(), seen.end(),
+                        [&](const Outline& o) { return same(o, draft.outline, kSameHope); }))
+            continue;
+        seen.push_back(draft.outline);
+        if (const auto start = moved_start(picture.levels, draft.outline))
+            hopes.emplace_back(std::min(start->clarity, kClear) * inside * draft.rim.coverage,
+                               *start);
+    }
+    std::stable_sort(hopes.begin(), hopes.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    // One thing moves one way: what lies over each other has the motion that shows best.
+    std::vector<MovedStart> starts;
+    for (std::size_t i = 0; i < std::min(hopes.size(), kMostFits); ++i) {
+        MovedStart start = hopes[i].second;
+        for (const auto& [promise, other] : hopes)
+            if (other.clarity > start.clarity && same(other.outline, start.outline, kSameThing))
+                start.motion = other.motion, start.clarity = other.clarity;
+        starts.push_back(start);
+    }
+    std::vector<Draft> found;
+    for (const MovedBall& ball : moved_balls(picture.grey, picture.levels, starts, picture.exact))
+        if (!lost(ball.outline, picture.grey.pixels.size)) found.push_back(draft_of(ball));
+    return found;
+}
+
+/// Adds balls that moved; of what overlaps the best stays.
+void add_moved(std::vector<Draft>& drafts, const std::vector<Draft>& moved) {
+    const auto overlap = [](const Draft& one, const Draft& other) {
+        return std::hypot(one.outline.cx - other.outline.cx, one.outline.cy - other.outline.cy) <
+               std::max(one.outline.b, other.outline.b);
+    };
+    for (const Draft& ball : moved) {
+        if (std::any_of(drafts.begin(), drafts.end(),
+                        [&](const Draft& d) { return overlap(d, ball) && d.score >= ball.score; }))
+            continue;
+        std::erase_if(drafts, [&](const Draft& d) { return overlap(d, ball); });
+        drafts.push_back(ball);
+    }
 }
 
 /// Of rims around nearly the same place the best: the outer ones before the inner, which may be
@@ -435,6 +390,7 @@ std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
     thin_out(drafts, 0.015, followed, size);
     for (Draft& draft : drafts) judge(draft, picture);
     sort_by_score(drafts);
+    const std::vector<Draft> rough = drafts;
     if (drafts.size() > kept) drafts.resize(kept);
     // What shows nothing of a mirror ball is not worth the finer passes; two always get them.
     while (drafts.size() > 2 && drafts.back().score < kHopeless) drafts.pop_back();
@@ -447,11 +403,13 @@ std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
     }
     thin_out(drafts, 0.015, kept, size);
     for (Draft& draft : drafts) judge(draft, picture);
-    // Seeking costs as much as all else: not where a ball that stood still is sure.
-    if (std::none_of(drafts.begin(), drafts.end(), [](const Draft& d) { return d.score > kSure; }))
-        for (Draft& draft : drafts)
-            if (score_inside(draft) > kWorthSettling) seek_motion(draft, picture);
     drop_nested(drafts);
+    // Seeking costs as much as all else: not where a ball that stood still is found.
+    if (std::none_of(drafts.begin(), drafts.end(),
+                     [](const Draft& d) { return d.score >= kFound; })) {
+        watch.check();
+        add_moved(drafts, seek_moved(rough, picture));
+    }
     sort_by_score(drafts);
     return drafts;
 }
@@ -514,7 +472,8 @@ std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& optio
             deviation_of(ball.outline, draft.covariance.value_or(rough_covariance(draft)));
         ball.outline.cx += photo.window.x;
         ball.outline.cy += photo.window.y;
-        ball.confidence = confidence_of(draft.score, draft.evidence);
+        ball.confidence =
+            draft.motion.length2() > 0 ? draft.score : confidence_of(draft.score, draft.evidence);
         ball.visible_rim = draft.rim.visible;
         ball.rim_blur = draft.rim.blur;
         ball.focal = draft.focal;

@@ -169,4 +169,10 @@ std::vector<Level> pyramid(const Raster<std::uint16_t>& picture, int longest) {
     }
 }
 
+const Level& level_for(const std::vector<Level>& levels, double photo_radius, double largest) {
+    for (const Level& level : levels)
+        if (photo_radius / level.scale() <= largest) return level;
+    return levels.back();
+}
+
 }  // namespace chromeball::detecting

@@ -71,4 +71,7 @@ Grey grey_of(const Photo& photo);
 /// before.
 std::vector<Level> pyramid(const Raster<std::uint16_t>& picture, int longest);
 
+/// The finest level on which the radius (pixels of the photo) is at most `largest`.
+const Level& level_for(const std::vector<Level>& levels, double photo_radius, double largest);
+
 }  // namespace chromeball::detecting

@@ -6,6 +6,8 @@
 
 namespace chromeball::detecting {
 
+constexpr double kScoredRadius = 90;  ///< at most, of the level on which the inside is looked at
+
 /// What speaks for a mirror ball within an outline. Parts are 0 to 1.
 struct Evidence {
     Rim rim;

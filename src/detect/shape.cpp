@@ -59,22 +59,4 @@ ShapePrior prior_at(const Shape& s, const Lens& lens) {
     return prior;
 }
 
-/// The outermost trace of a ball of radius R that moves by 2 q in the direction t lies R + q |n.t|
-/// from the middle, seen along n. The Fourier series of |cos| begins 2 / pi + 4 / (3 pi) cos(2 x),
-/// so the ellipse through it has the mean radius R + 2 q / pi, and its semi-axes differ by
-/// 8 q / (3 pi).
-Moved moved_from(const Outline& trace, const Lens& lens) {
-    constexpr double pi = std::numbers::pi;
-    const Shape s = shape_of(trace);
-    const ShapePrior prior = prior_at(s, lens);
-    const double d1 = s.e1 - prior.e1, d2 = s.e2 - prior.e2;
-    const double q = 3 * pi / 8 * 2 * s.radius * std::hypot(d1, d2);
-    const double heading = 0.5 * std::atan2(d2, d1);
-    const double along = prior.cos2 * d1 + prior.sin2 * d2;
-    const double across = prior.cos2 * d2 - prior.sin2 * d1;
-    return {outline_of({s.x, s.y, s.radius - 2 * q / pi, prior.e1, prior.e2}),
-            2 * q * std::cos(heading), 2 * q * std::sin(heading),
-            std::hypot(along / prior.along, across / prior.across)};
-}
-
 }  // namespace chromeball::detecting

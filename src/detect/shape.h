@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "core/outline.h"
@@ -27,6 +28,13 @@ struct Shape {
     double x, y, radius, e1, e2;
 };
 
+inline double radius(const Outline& o) { return std::sqrt(o.a * o.b); }
+
+inline Outline scaled(const Outline& o, double sx, double sy) {
+    const double s = 0.5 * (sx + sy);  // the two differ by the rounding of a level's size only
+    return {o.cx * sx, o.cy * sy, o.a * s, o.b * s, o.angle};
+}
+
 Shape shape_of(const Outline& outline);
 Outline outline_of(const Shape& shape);
 
@@ -44,15 +52,5 @@ struct ShapePrior {
 };
 
 ShapePrior prior_at(const Shape& shape, const Lens& lens);
-
-/// A ball that moved during the exposure.
-struct Moved {
-    Outline outline;      ///< in the middle of the exposure
-    double x = 0, y = 0;  ///< how far it moved, pixels
-    double surprise = 0;  ///< how many deviations its trace is from what the lens allows
-};
-
-/// What left this trace if the lens is `lens` and nothing but motion made it longer.
-Moved moved_from(const Outline& trace, const Lens& lens);
 
 }  // namespace chromeball::detecting

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/outline.h"
+#include "detect/edge.h"
+#include "detect/grey.h"
+#include "detect/shape.h"
+#include "map/camera.h"
+
+namespace chromeball::detecting {
+
+/// An outline, wrong by up to some 15 % of its radius, of something that seems to have moved.
+struct MovedStart {
+    Outline outline;
+    V2d motion;          ///< pixels of the photo; its sign is open
+    double clarity = 0;  ///< see Streaks
+};
+
+/// What the inside of an outline says; nothing where it is not streaked.
+std::optional<MovedStart> moved_start(const std::vector<Level>& levels, const Outline& outline);
+
+/// A mirror ball that moved during the exposure.
+struct MovedBall {
+    Outline outline;  ///< in the middle of the exposure
+    V2d motion;       ///< from shutter open to close, pixels; its sign is open
+    ShapeCovariance covariance{};
+    double visible = 0;  ///< part of the rim that shows as such a ball's would
+    double chance = 0;   ///< probability that it is one, outline within 2 %
+};
+
+/// The moved balls near starts; less than one for each, and several that are the same.
+std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>& levels,
+                                   const std::vector<MovedStart>& starts, const Lens& lens);
+
+}  // namespace chromeball::detecting
