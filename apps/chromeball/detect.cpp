@@ -167,7 +167,10 @@ Looked look_at(const std::string& path, const DetectCommand& o, const ColorConfi
     report.camera = job.camera;
     report.warnings = job.warnings;
     if (job.ball.candidate) {
-        if (job.ball.found) report.deviation = job.ball.candidate->deviation;
+        if (job.ball.found) {
+            report.deviation = job.ball.candidate->deviation;
+            report.motion = job.ball.candidate->motion;
+        }
         if (o.all) {
             report.candidates = job.ball.others;
             report.candidates.insert(report.candidates.begin(), *job.ball.candidate);

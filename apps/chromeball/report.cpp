@@ -29,11 +29,15 @@ Json json_of(const OutlineDeviation& d) {
             {"angle", pixels(d.angle)}};
 }
 
+Json motion_of(const V2d& motion) { return {pixels(motion.x), pixels(motion.y)}; }
+
 Json json_of(const Candidate& c) {
-    return {{"confidence", rounded(c.confidence, 1e4)},
-            {"outline", json_of(c.outline)},
-            {"outline_deviation", json_of(c.deviation)},
-            {"visible_rim", rounded(c.visible_rim, 1e4)}};
+    Json j{{"confidence", rounded(c.confidence, 1e4)},
+           {"outline", json_of(c.outline)},
+           {"outline_deviation", json_of(c.deviation)},
+           {"visible_rim", rounded(c.visible_rim, 1e4)}};
+    if (c.motion != V2d(0)) j["motion"] = motion_of(c.motion);
+    return j;
 }
 
 void add_candidates(Json& j, const DetectReport& r) {
@@ -69,6 +73,7 @@ Json json_of(const DetectReport& r) {
                  {"center_direction", {rounded(d.x, 1e8), rounded(d.y, 1e8), rounded(d.z, 1e8)}},
                  {"hidden_half_angle_degrees", rounded(r.hidden_half_angle_degrees, 1e4)}};
     j["visible_rim"] = rounded(r.visible_rim, 1e4);
+    if (r.motion != V2d(0)) j["motion"] = motion_of(r.motion);
     j["warnings"] = r.warnings;
     add_candidates(j, r);
     return j;

@@ -25,6 +25,7 @@ struct DetectReport {
     double hidden_half_angle_degrees = 0;
     std::vector<std::string> warnings;
     std::optional<OutlineDeviation> deviation;  ///< of the outline, when it was searched for
+    V2d motion{0, 0};                           ///< of the ball during the exposure, pixels
     std::vector<Candidate> candidates;          ///< all, best first, when they are wanted (--all)
 };
 

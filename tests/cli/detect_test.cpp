@@ -329,6 +329,39 @@ TEST_F(Detect, AContactSheetShowsAllPhotosAndTheUnreadableToo) {
                    {"sheet.txt"});
 }
 
+/// A street with a ball that moves up by `motion` pixels while the shutter is open.
+Image moving_ball(double motion) {
+    painted::Scene scene;
+    scene.size = {480, 320};
+    scene.camera = {700.0, {240, 160}};
+    scene.centre = {-0.3, 0.2, -6};
+    scene.samples = 1;
+    constexpr int kTimes = 16;
+    const V3d middle = scene.centre;
+    Image mean(scene.size, 3);
+    for (int time = 0; time < kTimes; ++time) {
+        const double part = (time + 0.5) / kTimes - 0.5;
+        scene.centre = middle + V3d(0, part * motion * -middle.z / 700, 0);
+        const std::vector<float> light = scene.light();
+        for (std::size_t i = 0; i < light.size(); ++i)
+            mean.pixel(static_cast<int>(i / 3 % 480), static_cast<int>(i / 3 / 480))[i % 3] +=
+                std::min(light[i], 1.0F) / kTimes;
+    }
+    return mean;
+}
+
+TEST_F(Detect, ABallThatMovedIsSaidToHave) {
+    write_encoded(folder / "moving.png", moving_ball(14));
+    const Outcome outcome = run(folder, {"detect", "moving.png", "--all"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json found = json::parse(outcome.out);
+    expect_outline(found, 204, 136, 118.3, 4);
+    EXPECT_NEAR(found.at("motion")[0].get<double>(), 0, 2.5);
+    EXPECT_NEAR(std::abs(found.at("motion")[1].get<double>()), 14, 2.5);
+    EXPECT_EQ(found.at("candidates")[0].at("motion"), found.at("motion"));
+    EXPECT_FALSE(json::parse(run(folder, {"detect", "ball.png"}).out).contains("motion"));
+}
+
 TEST_F(Detect, LensTermsNeedAFocalLength) {
     expect_refusal(folder, {"detect", "ball.png", "--k1", "-0.1"}, 2, {"--k1", "--focal-px"});
     const Outcome straight = run(folder, {"detect", "ball.png", "--focal-px", "900"});
