@@ -78,11 +78,13 @@ Density density_of(Square covariance, double noise) {
             inverse[i][column] = sum / factor[i][i];
         }
     Density density;
+    double log_determinant = 0;
     for (std::size_t i = 0; i < kSamples; ++i) {
-        density.log_determinant += 2 * std::log(factor[i][i]);
+        log_determinant += 2 * std::log(factor[i][i]);
         for (std::size_t j = 0; j <= i; ++j)
             density.whiten[i * kSamples + j] = static_cast<float>(inverse[i][j]);
     }
+    density.gain = static_cast<float>(std::exp(log_determinant / kSamples));
     return density;
 }
 
@@ -99,13 +101,17 @@ bool normalise(Profile& profile) {
     return true;
 }
 
-std::array<double, kBatch> cost_of(const Batch& batch, const Density& density) {
+void Least::take(const Batch& batch, const Density& density) {
     const Squares squares = squares_of(batch, density);
-    std::array<double, kBatch> cost{};
     for (std::size_t r = 0; r < kBatch; ++r)
-        cost[r] = kSamples * std::log(static_cast<double>(squares[r]) / kSamples + 1e-30) +
-                  density.log_determinant;
-    return cost;
+        squares_[r] = std::min(squares_[r], density.gain * squares[r]);
+}
+
+std::array<float, kBatch> Least::costs() const {
+    std::array<float, kBatch> costs{};
+    for (std::size_t r = 0; r < kBatch; ++r)
+        costs[r] = kSamples * std::log(squares_[r] / kSamples + 1e-30f);
+    return costs;
 }
 
 }  // namespace chromeball::detecting

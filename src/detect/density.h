@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace chromeball::detecting {
@@ -21,10 +22,10 @@ void add_square(Square& covariance, const std::array<double, kSamples>& row, dou
 /// Adds another one, `times` over.
 void add(Square& covariance, const Square& other, double times);
 
-/// The inverse of the covariance's Cholesky factor, row by row, and the determinant's logarithm.
+/// The inverse of the covariance's Cholesky factor, row by row, and the determinant.
 struct Density {
     std::array<float, kSamples * kSamples> whiten{};  ///< lower triangle
-    double log_determinant = 0;
+    float gain = 1;  ///< what the squared length of a whitened profile counts times, see Least
 };
 
 /// Noise of samples side by side is a little correlated, for they share pixels.
@@ -44,7 +45,22 @@ struct Batch {
     }
 };
 
-/// -2 log likelihood of each profile, its scale left free.
-std::array<double, kBatch> cost_of(const Batch& batch, const Density& density);
+/// The least -2 log likelihood of each profile of a batch by several densities, its scale left
+/// free.
+///
+/// That is n log(squares / n) + log(determinant), with n samples, so the least has the least
+/// squares * determinant^(1 / n): one logarithm serves all densities.
+class Least {
+public:
+    void take(const Batch& batch, const Density& density);
+    std::array<float, kBatch> costs() const;
+
+private:
+    std::array<float, kBatch> squares_ = [] {
+        std::array<float, kBatch> most;
+        most.fill(std::numeric_limits<float>::max());
+        return most;
+    }();
+};
 
 }  // namespace chromeball::detecting

@@ -177,21 +177,21 @@ std::vector<Voice> voices_of(const Profiles& profiles, std::size_t blur, std::si
         const std::size_t first = b * kBatch;
         const std::size_t count = std::min(kBatch, profiles.rays.size() - first);
         std::array<Voice, kBatch> here;
-        for (std::size_t kind = 0; kind < Bank::kinds; ++kind) {
-            std::array<std::array<float, kOffsets>, kBatch> cost{};
-            for (int o = 0; o < kOffsets; ++o) {
-                const auto costs = cost_of(profiles.batches[b], bank().rim(blur, kind, o));
-                for (std::size_t r = 0; r < kBatch; ++r)
-                    cost[r][static_cast<std::size_t>(o)] = static_cast<float>(costs[r]);
-            }
-            const auto none = cost_of(profiles.batches[b], bank().none[kind]);
-            for (std::size_t r = 0; r < count; ++r) {
-                const auto without = static_cast<float>(none[r]);
-                for (std::size_t o = 0; o < kOffsets; ++o)
-                    if (kind == 0 || cost[r][o] < here[r].cost[o]) here[r].cost[o] = cost[r][o];
-                if (kind == 0 || without < here[r].without) here[r].without = without;
-            }
+        const auto least = [&](const auto& density_of_kind) {
+            Least all;
+            for (std::size_t kind = 0; kind < Bank::kinds; ++kind)
+                all.take(profiles.batches[b], density_of_kind(kind));
+            return all.costs();
+        };
+        for (int o = 0; o < kOffsets; ++o) {
+            const auto costs = least(
+                [&](std::size_t kind) -> const Density& { return bank().rim(blur, kind, o); });
+            for (std::size_t r = 0; r < count; ++r)
+                here[r].cost[static_cast<std::size_t>(o)] = costs[r];
         }
+        const auto none =
+            least([&](std::size_t kind) -> const Density& { return bank().none[kind]; });
+        for (std::size_t r = 0; r < count; ++r) here[r].without = none[r];
         for (std::size_t r = 0; r < count; ++r) {
             here[r].ray = profiles.rays[first + r];
             here[r].index = profiles.index[first + r];

@@ -128,14 +128,10 @@ const Bank& bank() {
 
 /// With the surroundings that fit each best.
 std::array<float, kBatch> least_cost(const Batch& batch, const Density* densities) {
-    std::array<float, kBatch> least{};
-    for (std::size_t kind = 0; kind < kSurroundings.size(); ++kind) {
-        const auto cost = cost_of(batch, densities[kind]);
-        for (std::size_t r = 0; r < kBatch; ++r)
-            if (kind == 0 || static_cast<float>(cost[r]) < least[r])
-                least[r] = static_cast<float>(cost[r]);
-    }
-    return least;
+    Least least;
+    for (std::size_t kind = 0; kind < kSurroundings.size(); ++kind)
+        least.take(batch, densities[kind]);
+    return least.costs();
 }
 
 /// What is sought, relative to the guess; pixels.

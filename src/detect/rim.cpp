@@ -182,6 +182,7 @@ const Peak* nearest_peak(const std::vector<Peak>& peaks, double where, double sc
     const Peak* best = nullptr;
     double most = 0;
     for (const Peak& peak : peaks) {
+        if (peak.strength <= most) continue;  // no need to know how near
         const double d = (peak.offset - where) / scale;
         if (d * d > 9) continue;
         const double value = peak.strength * std::exp(-0.5 * d * d);
