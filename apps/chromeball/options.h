@@ -26,7 +26,7 @@ struct PhotoOptions {
     std::optional<std::string> ball;
     std::optional<std::string> ellipse;
     bool cropped = false;
-    double threshold = 0.5;
+    double threshold = 0.4;
     std::optional<std::string> near;  ///< of several balls the one that holds this place
     std::optional<std::string> radius_range;
 

@@ -36,6 +36,7 @@ struct Draft {
     Outline outline;
     Rim rim;
     Evidence evidence;
+    LastFit last;
     double score = 0;
     V2d motion{0, 0};                           ///< during the exposure, pixels
     std::optional<ShapeCovariance> covariance;  ///< of the outline as a Shape
@@ -174,6 +175,7 @@ void settle_edge(Draft& draft, const Picture& picture) {
         const int rays = static_cast<int>(2 * std::numbers::pi * r / spacing);
         const EdgeSearch search{.rays = std::clamp(rays, 64, 448), .step = step, .blur = blur};
         const EdgeFit fit = fit_edge(picture.grey, draft.outline, search, picture.exact);
+        draft.last.deviation = std::sqrt(fit.covariance[2][2]);
         if (fit.known < 0.5 || fit.evidence < kLeastEvidence) return;
         if (lost(fit.outline, picture.grey.pixels.size)) return;
         const bool done = rim_deviation(fit.outline, draft.outline) < 0.05;
@@ -184,6 +186,15 @@ void settle_edge(Draft& draft, const Picture& picture) {
         blur = fit.blur;
         step = std::clamp(0.8 * fit.blur, std::max(kFinestStep, 0.7 * step), 1.6 * step);
     }
+}
+
+/// The finest fits. One is always settled, for something must be said of it.
+void finish(Draft& draft, const Picture& picture, bool always) {
+    const Outline before = draft.outline;
+    follow_finely(draft, picture);
+    draft.last.visible = draft.rim.visible;
+    if (always || draft.score >= kWorthSettling) settle_edge(draft, picture);
+    draft.last.change = rim_deviation(draft.outline, before);
 }
 
 void sort_by_significance(std::vector<Draft>& drafts) {
@@ -253,22 +264,28 @@ Draft draft_of(const MovedBall& ball) {
 /// and streaks. The rim of such a ball is weak, so `rough` drafts count that were passed over.
 std::vector<Draft> seek_moved(const std::vector<Draft>& rough, const Picture& picture) {
     constexpr double kHopelessInside = 1e-3;
+    constexpr double kLeastPromise = 0.01;  // of the best place's
+    constexpr std::size_t kMostPlaces = 12;
     constexpr double kClear = 0.25;  // clarity of streaks; more does not say more
     constexpr double kSameHope = 0.06;
     constexpr double kSameThing = 0.4;
     constexpr std::size_t kMostFits = 5;
+    std::vector<std::pair<double, Outline>> places;  // with what speaks for a ball there
+    for (const Draft& draft : rough)
+        if (const double inside = score_inside(draft); inside >= kHopelessInside)
+            places.emplace_back(inside * draft.rim.coverage, draft.outline);
+    std::stable_sort(places.begin(), places.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<std::pair<double, MovedStart>> hopes;  // with how promising they are
     std::vector<Outline> seen;
-    for (const Draft& draft : rough) {
-        const double inside = score_inside(draft);
-        if (inside < kHopelessInside ||
-            std::any_of(seen.begin(), seen.end(),
-                        [&](const Outline& o) { return same(o, draft.outline, kSameHope); }))
+    for (const auto& [promise, place] : places) {
+        if (seen.size() == kMostPlaces || promise < kLeastPromise * places.front().first) break;
+        if (std::any_of(seen.begin(), seen.end(),
+                        [&](const Outline& o) { return same(o, place, kSameHope); }))
             continue;
-        seen.push_back(draft.outline);
-        if (const auto start = moved_start(picture.levels, draft.outline))
-            hopes.emplace_back(std::min(start->clarity, kClear) * inside * draft.rim.coverage,
-                               *start);
+        seen.push_back(place);
+        if (const auto start = moved_start(picture.levels, place))
+            hopes.emplace_back(std::min(start->clarity, kClear) * promise, *start);
     }
     std::stable_sort(hopes.begin(), hopes.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
@@ -285,21 +302,6 @@ std::vector<Draft> seek_moved(const std::vector<Draft>& rough, const Picture& pi
     for (const MovedBall& ball : moved_balls(picture.grey, picture.levels, starts, picture.exact))
         if (!lost(ball.outline, picture.grey.pixels.size)) found.push_back(draft_of(ball));
     return found;
-}
-
-/// Adds balls that moved; of what overlaps the best stays.
-void add_moved(std::vector<Draft>& drafts, const std::vector<Draft>& moved) {
-    const auto overlap = [](const Draft& one, const Draft& other) {
-        return std::hypot(one.outline.cx - other.outline.cx, one.outline.cy - other.outline.cy) <
-               std::max(one.outline.b, other.outline.b);
-    };
-    for (const Draft& ball : moved) {
-        if (std::any_of(drafts.begin(), drafts.end(),
-                        [&](const Draft& d) { return overlap(d, ball) && d.score >= ball.score; }))
-            continue;
-        std::erase_if(drafts, [&](const Draft& d) { return overlap(d, ball); });
-        drafts.push_back(ball);
-    }
 }
 
 /// Of rims around nearly the same place the best: the outer ones before the inner, which may be
@@ -330,6 +332,38 @@ bool wanted(const Outline& o, const Photo& photo, const DetectOptions& options, 
     if (!options.near) return true;
     return std::hypot(options.near->x - photo.window.x - o.cx,
                       options.near->y - photo.window.y - o.cy) <= r * (1 + tolerance);
+}
+
+/// Whether the middle of one lies inside the other: not two balls, as a rule.
+bool overlap(const Outline& one, const Outline& other) {
+    return std::hypot(one.cx - other.cx, one.cy - other.cy) < std::max(one.b, other.b);
+}
+
+void sort_by_confidence(std::vector<Candidate>& balls) {
+    std::stable_sort(balls.begin(), balls.end(), [](const Candidate& a, const Candidate& b) {
+        return a.confidence > b.confidence;
+    });
+}
+
+/// Where a ball may have moved or not only the likelier way is told.
+void drop_other_ways(std::vector<Candidate>& balls) {
+    std::vector<Candidate> kept;
+    for (const Candidate& ball : balls)
+        if (std::none_of(kept.begin(), kept.end(), [&](const Candidate& better) {
+                return overlap(better.outline, ball.outline) &&
+                       (better.motion.length2() > 0 || ball.motion.length2() > 0);
+            }))
+            kept.push_back(ball);
+    balls = std::move(kept);
+}
+
+/// Of outlines that overlap at most one is a ball's; each confidence is given that the better ones
+/// are wrong.
+void share_doubt(std::vector<Candidate>& balls) {
+    for (std::size_t i = balls.size(); i-- > 1;)
+        for (std::size_t j = 0; j < i; ++j)
+            if (overlap(balls[i].outline, balls[j].outline))
+                balls[i].confidence *= 1 - balls[j].confidence;
 }
 
 void tell(const Watch& watch, double part) {
@@ -408,7 +442,7 @@ std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
     if (std::none_of(drafts.begin(), drafts.end(),
                      [](const Draft& d) { return d.score >= kFound; })) {
         watch.check();
-        add_moved(drafts, seek_moved(rough, picture));
+        for (const Draft& ball : seek_moved(rough, picture)) drafts.push_back(ball);
     }
     sort_by_score(drafts);
     return drafts;
@@ -461,10 +495,7 @@ std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& optio
     for (Draft& draft : drafts_of(picture, photo, options, watch)) {
         watch.check();
         if (draft.score < kWorthTelling && !balls.empty()) break;
-        if (draft.motion.length2() == 0) {
-            follow_finely(draft, picture);
-            if (draft.score >= kWorthSettling) settle_edge(draft, picture);
-        }
+        if (draft.motion.length2() == 0) finish(draft, picture, balls.empty());
         if (!wanted(draft.outline, photo, options, 0.01)) continue;
         Candidate ball;
         ball.outline = draft.outline;
@@ -472,17 +503,21 @@ std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& optio
             deviation_of(ball.outline, draft.covariance.value_or(rough_covariance(draft)));
         ball.outline.cx += photo.window.x;
         ball.outline.cy += photo.window.y;
-        ball.confidence =
-            draft.motion.length2() > 0 ? draft.score : confidence_of(draft.score, draft.evidence);
+        ball.confidence = draft.score;
+        if (draft.motion.length2() == 0) {
+            ball.signs = signs_of(draft.evidence, draft.last);
+            ball.confidence = chance_of(weights(), ball.signs);
+        }
         ball.visible_rim = draft.rim.visible;
         ball.rim_blur = draft.rim.blur;
         ball.focal = draft.focal;
         ball.motion = draft.motion;
         balls.push_back(ball);
     }
-    std::stable_sort(balls.begin(), balls.end(), [](const Candidate& a, const Candidate& b) {
-        return a.confidence > b.confidence;
-    });
+    sort_by_confidence(balls);
+    drop_other_ways(balls);
+    share_doubt(balls);
+    sort_by_confidence(balls);
     tell(watch, 1);
     return balls;
 }

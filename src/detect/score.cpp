@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -33,6 +34,7 @@ struct Moments {
 struct Patch {
     cv::Rect box;
     cv::Mat grey, fine, gx, gy;
+    cv::Mat soft;  ///< strength of the slopes when blurred
 };
 
 Patch patch_of(const Level& level, const Outline& o) {
@@ -53,6 +55,11 @@ Patch patch_of(const Level& level, const Outline& o) {
     patch.fine = smooth - coarse;
     cv::Sobel(smooth, patch.gx, CV_32F, 1, 0, 3, 0.125);
     cv::Sobel(smooth, patch.gy, CV_32F, 0, 1, 3, 0.125);
+    cv::Mat softer, sx, sy;
+    cv::GaussianBlur(patch.grey, softer, cv::Size(11, 11), 2);
+    cv::Sobel(softer, sx, CV_32F, 1, 0, 3, 0.125);
+    cv::Sobel(softer, sy, CV_32F, 0, 1, 3, 0.125);
+    cv::magnitude(sx, sy, patch.soft);
     return patch;
 }
 
@@ -133,8 +140,11 @@ double squeeze_of(const std::array<Cell, kSectors>& ring, double noise) {
 
 /// How alike the edges inside are. Something painted has few tones, and so edges of one strength
 /// (half as strong in the shade); the world has edges of all strengths.
-double sameness_of(const Patch& patch, const Outline& o, double least) {
-    std::vector<double> strengths;
+struct Edges {
+    double sameness = 1, crispness = 0;
+};
+Edges edges_of(const Patch& patch, const Outline& o, double least) {
+    std::vector<double> strengths, ratios;
     const auto strength = [&](int x, int y) {
         return std::hypot(patch.gx.at<float>(y, x), patch.gy.at<float>(y, x));
     };
@@ -147,17 +157,19 @@ double sameness_of(const Patch& patch, const Outline& o, double least) {
             const double nx = patch.gx.at<float>(y, x) / m, ny = patch.gy.at<float>(y, x) / m;
             const int ix = nx > 0.38 ? 1 : nx < -0.38 ? -1 : 0;
             const int iy = ny > 0.38 ? 1 : ny < -0.38 ? -1 : 0;
-            if (strength(x + ix, y + iy) <= m && strength(x - ix, y - iy) < m)
+            if (strength(x + ix, y + iy) <= m && strength(x - ix, y - iy) < m) {
                 strengths.push_back(m);
+                ratios.push_back(m / std::max<double>(patch.soft.at<float>(y, x), 0.1 * m));
+            }
         }
-    if (strengths.size() < 20) return 1;
-    std::sort(strengths.begin(), strengths.end());
-    return strengths[strengths.size() / 2] / strengths[strengths.size() * 95 / 100];
-}
-
-/// 0 far below `half`, 1 far above.
-double gate(double value, double half, double width) {
-    return 1 / (1 + std::exp(-(value - half) / width));
+    if (strengths.size() < 20) return {};
+    // Of the stronger half of the edges: weak ones are noise and gentle shading.
+    std::vector<double> sorted = strengths, strong;
+    std::sort(sorted.begin(), sorted.end());
+    const double middle = sorted[sorted.size() / 2];
+    for (std::size_t i = 0; i < ratios.size(); ++i)
+        if (strengths[i] >= middle) strong.push_back(ratios[i]);
+    return {middle / sorted[sorted.size() * 95 / 100], std::log2(median(strong))};
 }
 
 /// Variance between rings over all variance between cells.
@@ -186,7 +198,9 @@ Evidence evidence_of(const Level& level, const Outline& outline, const Rim& rim)
 
     // White noise of 1 comes out of the smoothing and differences of patch_of() as about these.
     const double fine_noise = 0.45 * e.noise, slope_noise = 0.25 * e.noise;
-    e.sameness = sameness_of(patch, outline, 3 * slope_noise + 0.01 * e.contrast);
+    const Edges edges = edges_of(patch, outline, 3 * slope_noise + 0.01 * e.contrast);
+    e.sameness = edges.sameness;
+    e.crispness = edges.crispness;
     std::vector<double> fine;
     for (const auto& ring : survey.cells)
         for (const Cell& cell : ring)
@@ -207,38 +221,59 @@ Evidence evidence_of(const Level& level, const Outline& outline, const Rim& rim)
     return e;
 }
 
-double score_of(const Evidence& e) {
-    // Each line is a soft "and": the value at which a mirror ball is as likely as not when all else
-    // speaks for it, and how fast that changes. They stand about half-way between what mirror balls
-    // and other round things show, in logarithms where the quantity is a ratio.
-    const double clear = e.rim.visible / std::max(e.rim.inside_picture, 0.01);
-    const double rim = gate(0.5 * (e.rim.coverage + clear), 0.55, 0.05) *
-                       gate(std::log(std::max(e.rim.significance, 1e-3)), std::log(12.0), 0.35);
-    const double detail = gate(e.detailed, 0.40, 0.07);
-    // A mirror squeezes the world by 1 / cos^2 of the normal's angle, paint on a ball is squeezed
-    // by 1 / cos: at 0.8 of the radius log2 of it is 1.5 and 0.75. Flat round things show 0.
-    const double squeeze = gate(0.6 * e.squeeze + 0.4 * e.squeeze_before, 0.55, 0.09) *
-                           gate(e.squeeze_before, -0.3, 0.12);
-    const double world = gate(-e.sameness, -0.47, 0.03) * gate(-e.rings, -0.6, 0.06);
-    // At grazing angles a mirror shows what lies behind it.
-    const double seam = gate(-e.step, -1.8, 0.2);
-    return rim * detail * squeeze * world * seam;
+namespace {
+
+/// Log2 of a soft step from 0 to 1 that is a half at `half`.
+double gate(double value, double half, double width) {
+    return -std::log2(1 + std::exp(std::min(-(value - half) / width, 20.0)));
 }
 
-double confidence_of(double score, const Evidence& e) {
-    const auto logit = [](double p) { return std::log(p / (1 - p)); };
-    // A logistic regression of "it is a mirror ball, and right to 2 %" on 755 pictures of
-    // tests/detect/random_picture.h (numbers 100000 and up) and, with the weight of 12 each, 31
-    // photographs and renderings. On those pictures it says what is right in each tenth within
-    // 0.1 (tests/detect/reliability_test.cpp prints the table for others).
-    const double odds = -11.29 + 0.236 * logit(std::clamp(score, 1e-4, 1 - 1e-4)) +
-                        4.13 * e.rim.coverage + 4.82 * e.detailed - 1.00 * e.rings -
-                        1.24 * std::clamp(std::log(e.step + 0.01), -3.0, 1.0) +
-                        0.88 * std::clamp(std::log(e.photo_radius), 2.0, 6.0);
-    const double chance = 1 / (1 + std::exp(-odds));
-    // Painted worlds are plainer than the real one. Whether it is a ball at all stays the score's
-    // word, which was weighed on real round things; the regression says how sure that is.
-    return score < 0.5 ? std::min(chance, 0.49) : std::max(chance, 0.5 + 0.3 * (score - 0.5));
+/// What a mirror ball shows all at once: log2 of soft steps, 0 where it does. The halves lie about
+/// half-way between what mirror balls and other round things show, in logarithms where the quantity
+/// is a ratio.
+std::array<double, kGates> gates_of(const Evidence& e) {
+    const double clear = e.rim.visible / std::max(e.rim.inside_picture, 0.01);
+    return {gate(0.5 * (e.rim.coverage + clear), 0.55, 0.05),
+            gate(std::log(std::max(e.rim.significance, 1e-4)), std::log(12.0), 0.35),
+            // A mirror squeezes the world by 1 / cos^2 of the normal's angle, paint on a ball is
+            // squeezed by 1 / cos: at 0.8 of the radius log2 of it is 1.5 and 0.75. Flat round
+            // things show 0.
+            gate(0.6 * e.squeeze + 0.4 * e.squeeze_before, 0.55, 0.09),
+            gate(e.squeeze_before, -0.3, 0.12), gate(e.detailed, 0.40, 0.07),
+            gate(-e.sameness, -0.47, 0.03), gate(-e.rings, -0.6, 0.06),
+            // At grazing angles a mirror shows what lies behind it.
+            gate(-e.step, -1.8, 0.2)};
+}
+
+}  // namespace
+
+double score_of(const Evidence& e) {
+    const auto gates = gates_of(e);
+    return std::exp2(std::accumulate(gates.begin(), gates.end(), 0.0));
+}
+
+std::vector<double> gate_signs(const Evidence& e) {
+    const auto gates = gates_of(e);
+    return {gates.begin(), gates.end()};
+}
+
+std::vector<double> signs_of(const Evidence& e, const LastFit& last) {
+    const double r = std::max(e.photo_radius, 1.0);
+    const auto log2 = [](double v) { return std::log2(std::max(v, 1e-9)); };
+    std::vector<double> signs = gate_signs(e);
+    // The last fit's deviation as if all of the ball were inside the picture: how well each part of
+    // the rim is known. A fit of an arc, a part f of the circle, is off by about f^-1.6 as much if
+    // it is a circle and f^-3.6 if any ellipse, near a half. As good as nothing where there was no
+    // such fit.
+    const double whole =
+        last.deviation > 0
+            ? last.deviation / r * std::pow(std::clamp(e.rim.inside_picture, 0.1, 1.0), 2.5)
+            : 1;
+    for (const double sign : {e.rim.coverage, last.visible, e.rings, log2(r), log2(e.contrast),
+                              log2(e.detail / std::max(e.contrast, 1e-6)), e.squeeze, e.crispness,
+                              e.crispness, log2(whole), log2(last.change / r)})
+        signs.push_back(sign);
+    return signs;
 }
 
 }  // namespace chromeball::detecting

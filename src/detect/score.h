@@ -1,8 +1,11 @@
 #pragma once
 
+#include <vector>
+
 #include "core/outline.h"
 #include "detect/grey.h"
 #include "detect/rim.h"
+#include "detect/weights.h"
 
 namespace chromeball::detecting {
 
@@ -22,15 +25,25 @@ struct Evidence {
     double rings = 0;           ///< how much of the inside is explained by concentric rings alone
     double sameness = 0;        ///< median over high percentile of the strengths of edges inside
     double step = 0;            ///< difference across the rim, in parts of the contrast inside
+    double crispness = 0;  ///< log2 of how much edges inside weaken when blurred: 0 soft, 1.4 sharp
 };
 
 Evidence evidence_of(const Level& level, const Outline& outline, const Rim& rim);
 
-/// How much speaks for a mirror ball, 0 to 1: enough to put candidates in order.
+/// How far the evidence passes all gates at once, 0 to 1: enough to put candidates in order.
 double score_of(const Evidence& evidence);
 
-/// The probability that this is a mirror ball and its outline right to 2 %, 0 to 1; half where the
-/// score is.
-double confidence_of(double score, const Evidence& evidence);
+/// What the last fits of the rim, in the photo's own pixels, say of themselves.
+struct LastFit {
+    double visible = 0;    ///< see Rim
+    double deviation = 0;  ///< of the radius, pixels; 0 where it is not told
+    double change = 0;     ///< greatest distance that the rim moved, pixels
+};
+
+/// The evidence as the numbers that are weighed to the probability that this is a mirror ball and
+/// its outline right to 2 %: see all_signs().
+std::vector<double> signs_of(const Evidence& evidence, const LastFit& last);
+/// The gates alone, which come first.
+std::vector<double> gate_signs(const Evidence& evidence);
 
 }  // namespace chromeball::detecting
