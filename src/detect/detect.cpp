@@ -192,7 +192,7 @@ void settle_edge(Draft& draft, const Picture& picture) {
 void finish(Draft& draft, const Picture& picture, bool always) {
     const Outline before = draft.outline;
     follow_finely(draft, picture);
-    draft.last.visible = draft.rim.visible;
+    draft.last.visible = draft.rim.visible / std::max(draft.rim.inside_picture, 0.1);
     if (always || draft.score >= kWorthSettling) settle_edge(draft, picture);
     draft.last.change = rim_deviation(draft.outline, before);
 }

@@ -35,7 +35,7 @@ double score_of(const Evidence& evidence);
 
 /// What the last fits of the rim, in the photo's own pixels, say of themselves.
 struct LastFit {
-    double visible = 0;    ///< see Rim
+    double visible = 0;    ///< part of the rim inside the picture on which a clear edge was found
     double deviation = 0;  ///< of the radius, pixels; 0 where it is not told
     double change = 0;     ///< greatest distance that the rim moved, pixels
 };

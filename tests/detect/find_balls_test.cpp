@@ -24,7 +24,7 @@ Candidate best_of(const Photo& photo, const DetectOptions& options = {}) {
 
 /// The contract's measure of a right outline: centre and both axes within a part of the radius.
 void expect_outline(const Candidate& ball, const Outline& truth, double part) {
-    EXPECT_GE(ball.confidence, 0.5);
+    EXPECT_GE(ball.confidence, DetectOptions().threshold);
     EXPECT_NEAR(ball.outline.cx, truth.cx, part * truth.b);
     EXPECT_NEAR(ball.outline.cy, truth.cy, part * truth.b);
     EXPECT_NEAR(ball.outline.a, truth.a, part * truth.a);

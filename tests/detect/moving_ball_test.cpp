@@ -44,7 +44,8 @@ void look_at(const Moving& made, bool tell, Tally& tally) {
     const Candidate best = balls.empty() ? Candidate{} : balls.front();
     const Outline& truth = made.outline;
     const double error = 100 * rim_deviation(best.outline, truth) / truth.b;
-    const bool hit = right(best.outline, truth), taken = best.confidence >= 0.5;
+    const bool hit = right(best.outline, truth),
+               taken = best.confidence >= DetectOptions().threshold;
     const V2d m = best.motion, t = made.motion;
     ++tally.pictures;
     tally.found += taken, tally.right += hit && taken;
