@@ -18,7 +18,7 @@ TEST(Help, EveryCommandShowsDefaultsUnitsAndAnExample) {
         {"convert",
          {"latlong, faces, openexr", "blender, alias", "adaptive", "=adaptive", "default: 16",
           "degrees", "pixels", "400000000", "--camera-to-world", "--quiet", "--threads"}},
-        {"detect", {"--overlay", "--crop", "=0.5", "pixels", "--json-lines", "--quiet"}},
+        {"detect", {"--overlay", "--crop", "=0.4", "pixels", "--json-lines", "--quiet"}},
         {"preview", {"--mesh", "teapot", "=mirror", "degrees", "pixels", "=16", "--turntable"}},
         {"info", {"--from", "--json", "400000000"}},
         {"merge", {"--times", "seconds", "=auto", "--anchor", "EV100", "pixels", "--quiet"}}};

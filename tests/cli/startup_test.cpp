@@ -30,7 +30,8 @@ TEST(Startup, LoadsTheLargeImageLibraryOnlyForFilesThatNeedIt) {
     const TempFolder folder;
     const Image photo = ball_photo({64, 64}, distant_ball(32, 32, 30));
     write_exr(folder / "ball.exr", photo);
-    write_picture(folder / "ball.jpg", photo);
+    for (const char* name : {"ball.jpg", "ball.png", "ball.tif"})
+        write_picture(folder / name, photo);
     const Words rest{"--ball=32,32,30", "--orthographic", "--size=16", "-o", "out.exr"};
     const auto convert = [&](const std::string& file) {
         Words words{"convert", file};
@@ -41,7 +42,10 @@ TEST(Startup, LoadsTheLargeImageLibraryOnlyForFilesThatNeedIt) {
     EXPECT_FALSE(loads_image_library(folder, {"info", "ball.exr"}));
     EXPECT_FALSE(loads_image_library(folder, {"detect", "ball.exr", "--ball=32,32,30"}));
     EXPECT_FALSE(loads_image_library(folder, convert("ball.exr")));
-    EXPECT_TRUE(loads_image_library(folder, convert("ball.jpg")));
+    EXPECT_FALSE(loads_image_library(folder, {"info", "ball.jpg"}));
+    EXPECT_FALSE(loads_image_library(folder, convert("ball.jpg")));
+    EXPECT_FALSE(loads_image_library(folder, convert("ball.png")));
+    EXPECT_TRUE(loads_image_library(folder, convert("ball.tif")));
 }
 
 TEST(Startup, LoadsTheRayTracerOnlyToRender) {

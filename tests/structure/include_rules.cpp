@@ -47,6 +47,8 @@ const Door kDoors[] = {
     {"png.h", {"io"}},
     {"zlib.h", {"io"}},
     {"isa-l/", {"io"}},
+    {"jpeglib.h", {"io"}},
+    {"libexif/", {"io"}},
     {"immintrin.h", {"io"}},  // half floats
     {"nlohmann/", {"io", "shot", "apps"}},
     {"OpenColorIO/", {"color"}},
