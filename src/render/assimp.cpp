@@ -154,6 +154,14 @@ private:
     std::size_t triangles_ = 0;
 };
 
+/// What Assimp says of a file that it gives up, and the way out.
+[[noreturn]] void give_up(const std::string& path, std::string_view why) {
+    // It asks for as much memory as a damaged file says that it needs.
+    if (why.find("bad_alloc") != std::string_view::npos)
+        throw failure(path, "is damaged, or tells of more than memory holds; export it again");
+    throw failure(path, fmt::format("cannot be read as a mesh: {}; export it again", excerpt(why)));
+}
+
 }  // namespace
 
 Scene load(const std::string& path, const LoadLimits& limits) {
@@ -168,11 +176,9 @@ Scene load(const std::string& path, const LoadLimits& limits) {
     try {
         from = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType);
     } catch (const std::exception& e) {
-        throw failure(path, fmt::format("cannot be read as a mesh: {}", excerpt(e.what())));
+        give_up(path, e.what());
     }
-    if (!from)
-        throw failure(
-            path, fmt::format("cannot be read as a mesh: {}", excerpt(importer.GetErrorString())));
+    if (!from) give_up(path, importer.GetErrorString());
     if (!from->mRootNode) throw failure(path, "has nothing in it");
     Walk walk(*from, path, limits);
     walk.visit(*from->mRootNode, aiMatrix4x4(), 0);

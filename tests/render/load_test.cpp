@@ -1,6 +1,7 @@
 #include "render/load.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -118,6 +119,26 @@ TEST_F(MeshFile, ThatIsBadIsOneClearSentence) {
     EXPECT_NE(refused("flat.obj", "v 0 0 0\nv 1 1 1\nv 2 2 2\nf 1 2 3\n").find("1 have no area"),
               std::string::npos);
 }
+
+#ifndef __SANITIZE_ADDRESS__  // which ends programs that ask for too much
+
+TEST_F(MeshFile, ThatTellsOfMoreThanMemoryHoldsIsSaidToBeDamaged) {
+    const std::string head =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
+        "property float y\nproperty float z\nelement face 4000000000\n"
+        "property list uchar int vertex_indices\nend_header\n";
+    // So that no machine is large enough to try.
+    rlimit before{};
+    ASSERT_EQ(::getrlimit(RLIMIT_AS, &before), 0);
+    rlimit bounded = before;
+    bounded.rlim_cur = rlim_t{16} << 30;
+    ASSERT_EQ(::setrlimit(RLIMIT_AS, &bounded), 0);
+    const std::string message = refused("huge.ply", head + "short");
+    ASSERT_EQ(::setrlimit(RLIMIT_AS, &before), 0);
+    EXPECT_EQ(message, "is damaged, or tells of more than memory holds; export it again");
+}
+
+#endif
 
 TEST_F(MeshFile, ThatIsTooLargeIsRefusedBeforeItIsRead) {
     const std::string path = file("t.obj", kTetrahedron);
