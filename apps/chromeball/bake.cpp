@@ -12,7 +12,6 @@
 #include "color/color.h"
 #include "commands.h"
 #include "console.h"
-#include "core/error.h"
 #include "core/names.h"
 #include "core/parallel.h"
 #include "io/threads.h"
@@ -22,6 +21,7 @@
 #include "numbers.h"
 #include "options.h"
 #include "preview_scene.h"
+#include "refuse.h"
 #include "render/environment.h"
 #include "resample/resample.h"
 
@@ -38,8 +38,6 @@ struct BakeCommand {
     MapOptions map;
     CommonOptions common;
 };
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 void hide(Scene& scene, const std::string& name) {
     if (scene.hide(name) > 0) return;

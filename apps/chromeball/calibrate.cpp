@@ -19,6 +19,7 @@
 #include "options.h"
 #include "photo_job.h"
 #include "reflectance_option.h"
+#include "refuse.h"
 #include "report.h"
 #include "resample/source.h"
 
@@ -35,8 +36,6 @@ struct CalibrateOptions {
     CommonOptions common;
     ColorOptions color;
 };
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 void check_words(const CalibrateOptions& o) {
     if (o.card.has_value() == o.grey_options.ball.has_value())

@@ -10,12 +10,11 @@
 #include "color/pixels.h"
 #include "numbers.h"
 #include "reflectance_option.h"
+#include "refuse.h"
 #include "resample/source.h"
 
 namespace chromeball {
 namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 Outline circle_of(const std::string& text) {
     const auto n = parse_numbers("--grey-ball", text, {3}, "X,Y,R");

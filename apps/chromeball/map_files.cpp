@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/error.h"
 #include "core/names.h"
 #include "core/parallel.h"
 #include "io/write.h"
+#include "refuse.h"
 
 namespace chromeball {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 std::string unknown(std::string_view what, const std::string& name,
                     const std::vector<std::string>& names) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 
 #include "bracket.h"
 #include "camera_choice.h"
@@ -12,22 +11,19 @@
 #include "commands.h"
 #include "console.h"
 #include "core/parallel.h"
-#include "core/statistics.h"
-#include "detect/detect.h"
 #include "io/facts.h"
-#include "io/read.h"
 #include "io/threads.h"
 #include "io/write.h"
-#include "light/align.h"
 #include "light/merge.h"
 #include "light/response.h"
 #include "map_files.h"
 #include "map_job.h"
-#include "numbers.h"
+#include "merge_exposures.h"
+#include "merge_place.h"
 #include "options.h"
 #include "reflectance_option.h"
+#include "refuse.h"
 #include "report.h"
-#include "resample/source.h"
 #include "version.h"
 
 namespace chromeball {
@@ -49,8 +45,6 @@ struct MergeOptions {
     CommonOptions common;
     ColorOptions color;
 };
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 /// "0.5", "1/125": seconds.
 double seconds_of(const std::string& text, const std::string& all) {
@@ -109,277 +103,7 @@ FileFormat check_words(const MergeOptions& o) {
     return *format;
 }
 
-/// The photos' numbers from dark to bright: by what they were told, else by how bright they look.
-std::vector<int> order_of(const Bracket& bracket) {
-    std::vector<double> key;
-    const bool told = std::ranges::all_of(bracket.told, [](const auto& t) { return !!t; });
-    for (std::size_t k = 0; k < bracket.exposed.size(); ++k) {
-        if (told) {
-            key.push_back(*bracket.told[k]);
-            continue;
-        }
-        const ExposedPhoto& photo = bracket.exposed[k];
-        Image row({photo.size.width, 1}, 3);
-        double sum = 0;
-        for (int y = 0; y < photo.size.height; y += 1 + photo.size.height / 256) {
-            photo.read(y, y + 1, row.view());
-            for (int x = 0; x < photo.size.width; ++x)
-                if (const float z = row.pixel(x, 0)[1]; std::isfinite(z))
-                    sum += static_cast<double>(z);
-        }
-        key.push_back(sum);
-    }
-    std::vector<int> order(key.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, {}, [&](int k) { return key[static_cast<std::size_t>(k)]; });
-    return order;
-}
-
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// Stops on Ctrl-C, tells nothing.
-Watch quietly(const Console& console) { return {console.watch("").stop, nullptr}; }
-
-/// The ball in each photo, where it was found or told.
-std::vector<std::optional<Outline>> balls_of(const MergeOptions& o, const Bracket& bracket,
-                                             int reference, const Console& console) {
-    std::vector<std::optional<Outline>> balls(bracket.photos.size());
-    if (o.ball) {
-        const auto n = parse_numbers("--ball", *o.ball, {3}, "CX,CY,R");
-        if (!(n[2] > 0)) refuse(fmt::format("--ball {}: the radius must be above 0", *o.ball));
-        balls[at(reference)] = Outline{n[0], n[1], n[2], n[2], 0};
-        return balls;
-    }
-    for (std::size_t k = 0; k < balls.size(); ++k) {
-        const auto found = find_balls(*bracket.photos[k], {}, quietly(console));
-        if (!found.empty() && found.front().confidence >= DetectOptions().threshold)
-            balls[k] = found.front().outline;
-    }
-    return balls;
-}
-
-double radius(const Outline& e) { return std::sqrt(e.a * e.b); }
-
-/// The ball that most photos agree on, near the one of the reference, decides; others are none.
-void keep_alike(std::vector<std::optional<Outline>>& balls) {
-    std::vector<double> radii;
-    for (const auto& ball : balls)
-        if (ball) radii.push_back(radius(*ball));
-    if (radii.empty()) return;
-    const double usual = median(std::move(radii));
-    for (auto& ball : balls)
-        if (ball && std::abs(radius(*ball) / usual - 1) > 0.05) ball.reset();
-}
-
-std::vector<std::optional<Outline>> alike_balls(const MergeOptions& o, const Bracket& bracket,
-                                                int reference, const Console& console) {
-    auto balls = balls_of(o, bracket, reference, console);
-    keep_alike(balls);
-    return balls;
-}
-
-AlignOptions align_options(const std::vector<std::optional<Outline>>& balls, int reference,
-                           Size size) {
-    AlignOptions options;
-    const auto& here = balls[at(reference)];
-    if (!here) return options;
-    const Outline wide{here->cx, here->cy, 1.1 * here->a, 1.1 * here->b, here->angle};
-    options.region = needed_window(wide, {0, 0, size});
-    // Told for one it is about there in all; not found in one, the ball is not well shown there.
-    const bool searched = std::ranges::count_if(balls, [](const auto& b) { return !!b; }) > 1;
-    for (const auto& ball : balls) options.whole.push_back(searched && !ball);
-    for (const auto& ball : balls)
-        options.hints.push_back(ball ? std::optional(V2d(ball->cx - here->cx, ball->cy - here->cy))
-                                     : std::nullopt);
-    return options;
-}
-
-/// Where the photos lie on the reference.
-struct Placed {
-    std::vector<std::optional<Outline>> balls;
-    AlignOptions options;
-    std::vector<Alignment> shifts;
-    std::vector<V2d> moves;  ///< the shifts alone
-};
-
-void take_moves(Placed& placed) {
-    placed.moves.clear();
-    for (const Alignment& a : placed.shifts) placed.moves.push_back(a.shift);
-}
-
-/// By the ball's outlines, then by the pictures.
-Placed placed_photos(const MergeOptions& o, const Bracket& bracket, const std::vector<int>& order,
-                     int reference, const Console& console) {
-    Placed placed;
-    placed.balls = alike_balls(o, bracket, reference, console);
-    for (std::size_t k = 0; k < placed.balls.size() && placed.balls[at(reference)]; ++k)
-        if (!placed.balls[k] && !o.ball)
-            console.say(
-                fmt::format("{}: its ball is lost; it is laid on the others by the whole picture",
-                            bracket.exposed[k].name));
-    placed.options = align_options(placed.balls, reference, bracket.size());
-    placed.shifts = align(bracket.exposed, order, reference, bracket.response, placed.options,
-                          console.watch("aligning"));
-    take_moves(placed);
-    return placed;
-}
-
-/// With the response that was found meanwhile.
-void place_again(Placed& placed, const Bracket& bracket, const std::vector<int>& order,
-                 int reference, const Response& response, const Console& console) {
-    AlignOptions options = placed.options;
-    options.hints.clear();
-    for (const Alignment& a : placed.shifts) options.hints.emplace_back(a.shift);
-    placed.shifts = align(bracket.exposed, order, reference, response, options,
-                          console.watch("aligning again"));
-    take_moves(placed);
-}
-
-/// What the pictures say of exposures and response, and which response is used.
-struct Solved {
-    BracketFit fit;
-    std::string response;  ///< "linear", "assumed", "solved"
-    std::string words;     ///< for the user
-};
-
-bool told_differ(const Bracket& bracket) {
-    double least = 1e9, most = -1e9;
-    for (const auto& t : bracket.told)
-        if (t) least = std::min(least, *t), most = std::max(most, *t);
-    return most - least > 0.3;
-}
-
-/// Nominal shutter speeds, apertures and ISOs are off by up to a tenth of a stop each; beyond this
-/// they are wrong.
-constexpr double kWrongStops = 0.25;
-
-int wrong_tags(const Bracket& bracket, const BracketFit& fit) {
-    int wrong = 0;
-    for (std::size_t k = 0; k < fit.stops.size(); ++k)
-        wrong += bracket.told[k] && std::abs(*fit.stops[k] - *bracket.told[k]) > kWrongStops;
-    return wrong;
-}
-
-/// Another curve than the assumed one has to earn its place: by being another one, and by fitting
-/// clearly better or by making several tags right.
-bool deserves(const Solved& solved, const Solved& assumed, const Bracket& bracket) {
-    constexpr double kOther = 0.1, kClear = 0.015;  // stops
-    constexpr std::size_t kEnough = 200;            // patches
-    if (solved.fit.patches < kEnough || solved.fit.curve_stops < kOther) return false;
-    const double mine = solved.fit.rms_stops, its = assumed.fit.rms_stops;
-    if (its > mine && std::sqrt(its * its - mine * mine) > kClear && mine < 0.85 * its) return true;
-    return wrong_tags(bracket, assumed.fit) >= 2 && wrong_tags(bracket, solved.fit) == 0;
-}
-
-Solved solve(const MergeOptions& o, const Bracket& bracket, std::span<const Patch> patches) {
-    BracketFitOptions how{bracket.response, false};
-    Solved assumed{fit_bracket(patches, bracket.exposed, bracket.told, how), "assumed", {}};
-    if (bracket.response.is_linear()) {
-        assumed.response = "linear";
-        assumed.words = "linear";
-        return assumed;
-    }
-    assumed.words = fmt::format("{} (fits to {:.3f} stops)", bracket.space, assumed.fit.rms_stops);
-    if (o.response == "srgb") return assumed;
-    if (!told_differ(bracket)) {
-        if (o.response == "solve")
-            refuse(
-                "--response solve: needs two exposures or more that are known and differ, since "
-                "pictures alone tell a curve up to a power only; give --times");
-        assumed.words += ", assumed, since no exposures are told that differ";
-        return assumed;
-    }
-    how.solve_curve = true;
-    Solved solved{fit_bracket(patches, bracket.exposed, bracket.told, how), "solved", {}};
-    solved.words = fmt::format(
-        "solved from {} patches (fits to {:.3f} stops, {} to {:.3f}; they "
-        "differ by up to {:.2f} stops)",
-        solved.fit.patches, solved.fit.rms_stops, bracket.space, assumed.fit.rms_stops,
-        solved.fit.curve_stops);
-    if (o.response == "solve") return solved;
-    return deserves(solved, assumed, bracket) ? solved : assumed;
-}
-
-/// log2 of exposures, told ones where the pictures do not contradict them.
-std::vector<double> final_stops(const Bracket& bracket, const BracketFit& fit,
-                                const Console& console) {
-    std::vector<double> stops;
-    for (std::size_t k = 0; k < fit.stops.size(); ++k) {
-        const std::string& name = bracket.exposed[k].name;
-        const auto& told = bracket.told[k];
-        const auto& seen = fit.stops[k];
-        if (!told && !seen)
-            throw Error(Error::Kind::failed,
-                        fmt::format("{}: its {} is not known, and it shares no well exposed part "
-                                    "with the other photos from which it could be solved; give "
-                                    "--times",
-                                    name, missing_tags(bracket, k)));
-        if (!told) {
-            console.say(fmt::format("{}: no {}; its exposure was solved from the pictures", name,
-                                    missing_tags(bracket, k)));
-        } else if (std::abs(*seen - *told) > kWrongStops) {
-            console.warn(fmt::format(
-                "{}: its exposure as told is {:+.2f} stops off what the pictures show; that of the "
-                "pictures is used",
-                name, *told - *seen));
-        }
-        stops.push_back(told && std::abs(*seen - *told) <= kWrongStops ? *told : *seen);
-    }
-    return stops;
-}
-
-/// The output's unit: 1 is what fills the scale at this exposure, log2.
-struct Anchor {
-    double stops = 0;
-    Metadata metadata;  ///< exposure facts that go with it
-};
-
-Metadata exposure_facts(const Metadata& from) {
-    Metadata facts;
-    for (const char* name : {"expTime", "aperture", "isoSpeed"})
-        if (const Attribute* a = from.find(name)) facts.set(*a);
-    return facts;
-}
-
-Anchor ev_anchor(double ev100, const Bracket& bracket, int reference) {
-    Anchor anchor;
-    anchor.stops = std::log2(exposure_of_ev100(ev100));
-    const ExposureTags& t = bracket.tags[at(reference)];
-    ExposureTags unit = t;
-    unit.time = 1;
-    anchor.metadata.set("expTime", std::exp2(anchor.stops) / *exposure_of(unit));
-    if (t.aperture) anchor.metadata.set("aperture", *t.aperture);
-    if (t.iso) anchor.metadata.set("isoSpeed", *t.iso);
-    return anchor;
-}
-
-Anchor anchor_of(const MergeOptions& o, const Bracket& bracket, const std::vector<double>& stops,
-                 int reference) {
-    Anchor anchor{stops[at(reference)],
-                  exposure_facts(pass_through(bracket.photos[at(reference)]->metadata))};
-    if (!o.anchor) return anchor;
-    const auto named = std::ranges::find(o.photos, *o.anchor);
-    if (named != o.photos.end()) {
-        const auto k = static_cast<std::size_t>(named - o.photos.begin());
-        return {stops[k], exposure_facts(pass_through(bracket.photos[k]->metadata))};
-    }
-    if (std::ranges::none_of(bracket.told, [](const auto& t) { return !!t; }))
-        refuse(
-            fmt::format("--anchor {}: no exposure of these photos is known, so that they cannot "
-                        "be put on an absolute scale; give --times, or name one of the photos",
-                        *o.anchor));
-    double ev100 = 0;
-    if (CLI::detail::lexical_cast(*o.anchor, ev100) && std::isfinite(ev100))
-        return ev_anchor(ev100, bracket, reference);
-    const Metadata facts = exposure_facts(pass_through(read_header(*o.anchor).metadata));
-    const auto exposure = exposure_of(exposure_tags(facts));
-    if (!exposure)
-        refuse(
-            fmt::format("--anchor {}: does not tell its exposure; name another photo, or an "
-                        "EV100 such as 12",
-                        *o.anchor));
-    return {std::log2(*exposure), facts};
-}
 
 void to_working(Image& pixels, const std::array<double, 9>& matrix) {
     std::array<float, 9> m{};
@@ -402,21 +126,6 @@ std::string sources_of(const std::vector<std::string>& photos) {
         all += (all.empty() ? "" : " ") +
                (photo.starts_with('/') ? photo.substr(photo.rfind('/') + 1) : photo);
     return all;
-}
-
-/// The ball in the merged picture, by the reference, or by any photo that shows it.
-std::optional<Outline> merged_ball(const Placed& placed, int reference) {
-    const auto& balls = placed.balls;
-    if (balls.empty()) return std::nullopt;
-    if (balls[at(reference)]) return balls[at(reference)];
-    for (std::size_t k = 0; k < balls.size(); ++k) {
-        if (!balls[k]) continue;
-        Outline moved = *balls[k];
-        moved.cx -= placed.moves[k].x;
-        moved.cy -= placed.moves[k].y;
-        return moved;
-    }
-    return std::nullopt;
 }
 
 /// Takes the mirror's own tint out of the ball; what is around it stays as it is.
@@ -468,21 +177,6 @@ WriteReport write(const MergeOptions& o, FileFormat format, Image pixels, const 
     return write_image(o.output, pixels.view(), options);
 }
 
-void tell_shifts(const Bracket& bracket, const std::vector<Alignment>& shifts, int reference,
-                 const Console& console) {
-    for (std::size_t k = 0; k < shifts.size(); ++k) {
-        const Alignment& a = shifts[k];
-        if (!a.measured)
-            console.warn(
-                fmt::format("{}: could not be laid on the others (too little that both "
-                            "show well); taken as it lies",
-                            bracket.exposed[k].name));
-        else if (static_cast<int>(k) != reference && a.shift.length() > 0.05)
-            console.say(fmt::format("{}: shifted by {:.2f},{:.2f} pixels", bracket.exposed[k].name,
-                                    a.shift.x, a.shift.y));
-    }
-}
-
 void tell_result(const MergeOptions& o, const Merged& merged, const Console& console) {
     const auto all = merged.pixels.size().pixels();
     if (merged.clipped_everywhere == all || merged.black_everywhere == all)
@@ -507,6 +201,63 @@ void tell_result(const MergeOptions& o, const Merged& merged, const Console& con
                             o.photos[k], 100 * merged.moved[k]));
 }
 
+/// Stops are told against the anchor.
+MergeReport report_of(const MergeOptions& o, const Bracket& bracket, const Solved& solved,
+                      std::span<const MergePhoto> photos, double anchor, const Merged& merged) {
+    MergeReport report;
+    report.clipped_everywhere = merged.clipped_everywhere;
+    report.black_everywhere = merged.black_everywhere;
+    report.response = solved.response;
+    for (std::size_t k = 0; k < photos.size(); ++k) {
+        std::optional<double> told;
+        if (bracket.told[k]) told = *bracket.told[k] - anchor;
+        report.photos.push_back({o.photos[k], std::log2(photos[k].exposure), told,
+                                 photos[k].shift.x, photos[k].shift.y, merged.moved[k]});
+    }
+    return report;
+}
+
+void tell_response(const MergeOptions& o, const Solved& solved, const std::vector<double>& stops,
+                   const Console& console) {
+    console.say(fmt::format("response: {}", solved.words));
+    if (std::ranges::max(stops) - std::ranges::min(stops) < 0.1)
+        console.warn(
+            fmt::format("{}: the photos are exposed alike; noise is averaged, but there is "
+                        "no more range than in one of them",
+                        o.output));
+}
+
+/// Where the photos lie and how they were exposed.
+struct Known {
+    int reference = 0;
+    Placed placed;
+    Solved solved;
+    std::vector<double> stops;
+};
+
+Known solved_bracket(const MergeOptions& o, const Bracket& bracket, const Console& console) {
+    std::vector<int> order = order_of(bracket);
+    Known known;
+    known.reference = order[(order.size() - 1) / 2];
+    Placed& placed = known.placed;
+    placed.moves.assign(bracket.photos.size(), V2d(0, 0));
+    if (!o.no_align)
+        placed = placed_photos(o.ball, bracket, order, known.reference, console);
+    else if (o.reflectance)
+        placed.balls = alike_balls(o.ball, bracket, known.reference, console);
+    const auto patches = even_patches(bracket.exposed, placed.moves, console.watch("measuring"));
+    known.solved = solve(o.response, bracket, patches);
+    known.stops = final_stops(bracket, known.solved.fit, console);
+    tell_response(o, known.solved, known.stops, console);
+    if (!o.no_align) {
+        // Once more with what is known now; the order, too.
+        std::ranges::stable_sort(order, {}, [&](int k) { return known.stops[at(k)]; });
+        place_again(placed, bracket, order, known.reference, known.solved.fit.response, console);
+        tell_shifts(bracket, placed.shifts, known.reference, console);
+    }
+    return known;
+}
+
 void run_merge(const MergeOptions& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);
@@ -515,58 +266,28 @@ void run_merge(const MergeOptions& o) {
     const std::vector<double> times = times_of(o);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);
-    if (o.output_space) colors.space(*o.output_space);
-    const Bracket bracket =
-        read_bracket(o.photos, times, o.color.input_space, o.max_pixels, colors, console);
-    if (o.output_space && !colors.is_linear(*o.output_space))
+    if (o.output_space && !colors.is_linear(colors.space(*o.output_space)))
         refuse(fmt::format("--output-space {}: merged light is linear; name a linear space",
                            *o.output_space));
+    const Bracket bracket =
+        read_bracket(o.photos, times, o.color.input_space, o.max_pixels, colors, console);
 
-    std::vector<int> order = order_of(bracket);
-    const int reference = order[(order.size() - 1) / 2];
-    Placed placed;
-    placed.moves.assign(bracket.photos.size(), V2d(0, 0));
-    if (!o.no_align)
-        placed = placed_photos(o, bracket, order, reference, console);
-    else if (o.reflectance)
-        placed.balls = alike_balls(o, bracket, reference, console);
-    const auto patches = even_patches(bracket.exposed, placed.moves, console.watch("measuring"));
-    const Solved solved = solve(o, bracket, patches);
-    console.say(fmt::format("response: {}", solved.words));
-    const std::vector<double> stops = final_stops(bracket, solved.fit, console);
-    if (std::ranges::max(stops) - std::ranges::min(stops) < 0.1)
-        console.warn(
-            fmt::format("{}: the photos are exposed alike; noise is averaged, but there is "
-                        "no more range than in one of them",
-                        o.output));
-    if (!o.no_align) {
-        // Once more with what is known now; the order, too.
-        std::ranges::stable_sort(order, {}, [&](int k) { return stops[at(k)]; });
-        place_again(placed, bracket, order, reference, solved.fit.response, console);
-        tell_shifts(bracket, placed.shifts, reference, console);
-    }
-    const std::vector<V2d>& moves = placed.moves;
-    const Anchor anchor = anchor_of(o, bracket, stops, reference);
-
+    const Known known = solved_bracket(o, bracket, console);
+    const Anchor anchor = anchor_of(o.anchor, o.photos, bracket, known.stops, known.reference);
     std::vector<MergePhoto> photos;
-    for (std::size_t k = 0; k < stops.size(); ++k)
-        photos.push_back({bracket.exposed[k], std::exp2(stops[k] - anchor.stops), moves[k]});
-    Merged merged = merge(photos, solved.fit.response, console.watch("merging"));
+    for (std::size_t k = 0; k < known.stops.size(); ++k)
+        photos.push_back(
+            {bracket.exposed[k], std::exp2(known.stops[k] - anchor.stops), known.placed.moves[k]});
+    Merged merged = merge(photos, known.solved.fit.response, console.watch("merging"));
     tell_result(o, merged, console);
-    const WriteReport written = write(o, format, std::move(merged.pixels), bracket, reference,
-                                      merged_ball(placed, reference), anchor, colors, console);
+    const WriteReport written =
+        write(o, format, std::move(merged.pixels), bracket, known.reference,
+              merged_ball(known.placed, known.reference), anchor, colors, console);
     if (written.clamped > 0) console.warn(clamp_warning(o.output, written.clamped, format));
-    MergeReport report;
-    report.clipped_everywhere = merged.clipped_everywhere;
-    report.black_everywhere = merged.black_everywhere;
-    report.response = solved.response;
-    for (std::size_t k = 0; k < photos.size(); ++k) {
-        std::optional<double> told;
-        if (bracket.told[k]) told = *bracket.told[k] - anchor.stops;
-        report.photos.push_back(
-            {o.photos[k], stops[k] - anchor.stops, told, moves[k].x, moves[k].y, merged.moved[k]});
-        console.say(fmt::format("{}: {:+.2f} stops", o.photos[k], stops[k] - anchor.stops));
-    }
+
+    const MergeReport report = report_of(o, bracket, known.solved, photos, anchor.stops, merged);
+    for (const auto& photo : report.photos)
+        console.say(fmt::format("{}: {:+.2f} stops", photo.file, photo.exposure_stops));
     if (o.json) print_result(to_json(report));
 }
 

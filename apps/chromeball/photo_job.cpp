@@ -10,14 +10,13 @@
 #include "io/read.h"
 #include "map/layouts.h"
 #include "numbers.h"
+#include "refuse.h"
 #include "resample/source.h"
 
 namespace chromeball {
 namespace {
 
 using std::numbers::pi;
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 /// How far an outline reaches beyond the picture, as a part of its own width and height.
 V2d beyond_edges(const Outline& e, Size picture) {

@@ -12,7 +12,6 @@
 #include "color/color.h"
 #include "commands.h"
 #include "console.h"
-#include "core/error.h"
 #include "core/parallel.h"
 #include "io/threads.h"
 #include "io/write.h"
@@ -24,6 +23,7 @@
 #include "picture_file.h"
 #include "plate.h"
 #include "preview_scene.h"
+#include "refuse.h"
 #include "render/bake.h"
 #include "render/compare.h"
 #include "render/page.h"
@@ -56,8 +56,6 @@ struct PreviewCommand {
     bool patch = false;
     double scale = 1;
 };
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 PixelFilter filter_of(const std::string& name) {
     if (name == "triangle") return PixelFilter::triangle;

@@ -6,18 +6,16 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/error.h"
 #include "core/names.h"
 #include "numbers.h"
 #include "options.h"
+#include "refuse.h"
 #include "render/load.h"
 #include "render/material.h"
 #include "render/shapes.h"
 
 namespace chromeball {
 namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 V3f color_from(const std::string& text) {
     auto c = parse_numbers("--color", text, {1, 3}, "V or R,G,B, each from 0 to 1");

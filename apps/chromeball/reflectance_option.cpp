@@ -6,16 +6,14 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/error.h"
 #include "core/names.h"
 #include "io/facts.h"
 #include "numbers.h"
+#include "refuse.h"
 #include "report.h"
 
 namespace chromeball {
 namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 std::vector<std::string> material_names() {
     std::vector<std::string> names;

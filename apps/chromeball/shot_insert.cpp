@@ -5,13 +5,13 @@
 
 #include <filesystem>
 
-#include "core/error.h"
 #include "io/facts.h"
 #include "io/lines.h"
 #include "io/write.h"
 #include "light_input.h"
 #include "picture_file.h"
 #include "plate.h"
+#include "refuse.h"
 #include "render/patch.h"
 #include "render/preview.h"
 #include "shot.h"
@@ -22,8 +22,6 @@ namespace chromeball {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 /// A name without a number's place is one mesh for all frames, even if it holds an @.
 std::optional<FramePattern> mesh_pattern(const InsertOptions& o) {

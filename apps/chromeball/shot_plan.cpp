@@ -11,6 +11,7 @@
 #include "io/write.h"
 #include "numbers.h"
 #include "reflectance_option.h"
+#include "refuse.h"
 #include "shot.h"
 #include "shot/stage_files.h"
 #include "version.h"
@@ -19,8 +20,6 @@ namespace chromeball {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 /// Of optional texts and numbers, for hashes.
 template <class T>

@@ -16,11 +16,10 @@
 #include "map_files.h"
 #include "map_input.h"
 #include "photo_job.h"
+#include "refuse.h"
 
 namespace chromeball {
 namespace {
-
-[[noreturn]] void refuse(const std::string& why) { throw Error(Error::Kind::usage, why); }
 
 /// What a list tells of a view; nothing where it is shorter, or says "-".
 std::optional<std::string> told(const std::vector<std::string>& list, std::size_t index) {
