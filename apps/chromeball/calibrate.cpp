@@ -130,6 +130,18 @@ Share share_of_card(const CalibrateOptions& o, const BallPicture& mirror, const 
     return share;
 }
 
+/// How many pixels of the mirror ball are clipped.
+std::size_t clipped_on_ball(const Photo& photo, const MirrorBall& ball, const BallLight& light,
+                            double level) {
+    const auto flags = clipped_pixels(photo, light.region, level);
+    const Affine to_ball = light.to_pixels.inverse();
+    std::size_t count = 0, i = 0;
+    for (int y = 0; y < light.region.size.height; ++y)
+        for (int x = 0; x < light.region.size.width; ++x, ++i)
+            count += flags[i] && ball.to_direction(to_ball(V2d(x + 0.5, y + 0.5)));
+    return count;
+}
+
 void run_calibrate(const CalibrateOptions& o) {
     const Console console(o.common.quiet);
     const ThreadLimit limit(o.common.threads);
@@ -141,26 +153,13 @@ void run_calibrate(const CalibrateOptions& o) {
     PhotoJob job = open_photo(o.ball, o.photo, console.watch("searching"));
     const MirrorBall ball = seen_ball(job, o.photo.threshold, console);
     check_not_undone(job.photo);
-    Reflectance reflectance;
-    if (o.material) reflectance = parse_reflectance(*o.material);
+    const Reflectance reflectance = o.material ? parse_reflectance(*o.material) : Reflectance();
+    MapOptions map;
+    map.reflectance = o.material;
+    const BallLight light = ball_light(job, ball, 0, false, o.color, map, colors, true);
     const auto photo = std::make_shared<const Photo>(job.photo);
     const double level = clipped_from(photo, o.grey_options.clip);
-    Image pixels;
-    std::size_t clipped = 0;
-    const BallLight light =
-        ball_light(job, ball, 0, false, o.color, MapOptions{}, colors, true, [&](BallLight& made) {
-            pixels = made.pixels;
-            if (o.material) undo_reflectance(pixels, ball, made.to_pixels, reflectance);
-            const auto flags = clipped_pixels(job.photo, made.region, level);
-            for (int y = 0; y < pixels.height(); ++y)
-                for (int x = 0; x < pixels.width(); ++x) {
-                    const V2d at = made.to_pixels.inverse()(Vec2<double>(x + 0.5, y + 0.5));
-                    clipped += flags[static_cast<std::size_t>(y) *
-                                         static_cast<std::size_t>(pixels.width()) +
-                                     static_cast<std::size_t>(x)] &&
-                               ball.to_direction(at);
-                }
-        });
+    const std::size_t clipped = clipped_on_ball(job.photo, ball, light, level);
     if (clipped > 0)
         console.warn(
             fmt::format("{}: {} pixels of the ball are clipped; the light that they lack "
@@ -172,7 +171,7 @@ void run_calibrate(const CalibrateOptions& o) {
     const std::string space = colors.input_space(grey, o.color.input_space);
     const double grey_level =
         clipped_from(std::make_shared<const Photo>(grey), o.grey_options.clip);
-    const BallPicture mirror{&pixels, ball, light.to_pixels};
+    const BallPicture mirror{&light.pixels, ball, light.to_pixels};
     const Share share =
         o.card ? share_of_card(o, mirror, grey, space, grey_level, colors)
                : share_of_ball(o, mirror, grey, job.camera.camera, space, grey_level, colors);
