@@ -346,11 +346,7 @@ void add_view_options(CLI::App& command, PreviewCommand& o) {
         ->group(group);
     command.add_flag("--patch", o.patch, "... and paint the ball out where the object is not")
         ->group(group);
-    command.add_option("--scale", o.scale, "Size of the object, in radii of the ball")
-        ->check(finite())
-        ->check(CLI::Range(1e-3, 1e3))
-        ->capture_default_str()
-        ->group(group);
+    add_scale_option(command, o.scale, group);
     command.add_flag("--background", o.background, "Show the map behind the object")->group(group);
 }
 
@@ -375,10 +371,7 @@ void add_quality_options(CLI::App& command, PreviewCommand& o) {
                     "this point of the scene")
         ->type_name("X,Y,Z|NAME")
         ->group(group);
-    command.add_option("--samples", o.samples, "Of each pixel; best a square: 4, 9, 16")
-        ->check(CLI::Range(1, 65536))
-        ->capture_default_str()
-        ->group(group);
+    add_samples_option(command, o.samples, group);
     command
         .add_option("--noise", o.noise,
                     "Take as many times --samples, up to 64, as bring the standard error of "

@@ -77,6 +77,36 @@ Mesh mesh_from(const std::string& name, const Console& console) {
 
 }  // namespace
 
+void add_material_options(CLI::App& command, SceneOptions& o, const std::string& group) {
+    command.add_option("--material", o.material, comma_list(material_names()))
+        ->type_name("NAME")
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--roughness", o.roughness,
+                    "Of mirrors and metals: 0 polished, 1 rough (default: 0; glossy: 0.3)")
+        ->check(finite())
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(group);
+}
+
+void add_scale_option(CLI::App& command, double& scale, const std::string& group) {
+    command
+        .add_option("--scale", scale,
+                    "Size of the object, times the ball's (or its own, where that is kept)")
+        ->check(finite())
+        ->check(CLI::Range(1e-3, 1e3))
+        ->capture_default_str()
+        ->group(group);
+}
+
+void add_samples_option(CLI::App& command, int& samples, const std::string& group) {
+    command.add_option("--samples", samples, "Of each pixel; best a square: 4, 9, 16")
+        ->check(CLI::Range(1, 65536))
+        ->capture_default_str()
+        ->group(group);
+}
+
 void add_scene_options(CLI::App& command, SceneOptions& o) {
     const std::string group = "Object";
     command
@@ -98,16 +128,7 @@ void add_scene_options(CLI::App& command, SceneOptions& o) {
                     "its own frame; its first camera is the view unless --orbit is given")
         ->type_name("FILE")
         ->group(group);
-    command.add_option("--material", o.material, comma_list(material_names()))
-        ->type_name("NAME")
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_option("--roughness", o.roughness,
-                    "Of mirrors and metals: 0 polished, 1 rough (default: 0; glossy: 0.3)")
-        ->check(finite())
-        ->check(CLI::Range(0.0, 1.0))
-        ->group(group);
+    add_material_options(command, o, group);
     command.add_option("--ior", o.ior, "Index of refraction of glass (default: 1.5)")
         ->check(finite())
         ->check(CLI::Range(1.0, 4.0))

@@ -23,6 +23,12 @@ struct SceneOptions {
 };
 
 void add_scene_options(CLI::App& command, SceneOptions& options);
+/// Those of them that say what any object is made of: --material, --roughness.
+void add_material_options(CLI::App& command, SceneOptions& options, const std::string& group);
+/// --scale, of an object in a plate.
+void add_scale_option(CLI::App& command, double& scale, const std::string& group);
+/// --samples, of each pixel of a picture.
+void add_samples_option(CLI::App& command, int& samples, const std::string& group);
 
 /// What was typed wrong, before anything is read. Throws Error (usage).
 void check_scene_options(const SceneOptions& options);

@@ -73,23 +73,9 @@ void add_insert_options(CLI::App& command, InsertOptions& o) {
     command.add_option("--insert-output", o.output, "Pictures with it, as 'comp/sh010.####.exr'")
         ->type_name("PATTERN")
         ->group(group);
-    command.add_option("--material", o.scene.material, "Of the object; see preview --help")
-        ->type_name("NAME")
-        ->capture_default_str()
-        ->group(group);
-    command.add_option("--roughness", o.scene.roughness, "Of mirrors and metals, 0 to 1")
-        ->check(finite())
-        ->check(CLI::Range(0.0, 1.0))
-        ->group(group);
-    command.add_option("--scale", o.scale, "Size of the object, times that")
-        ->check(finite())
-        ->check(CLI::Range(1e-3, 1e3))
-        ->capture_default_str()
-        ->group(group);
-    command.add_option("--samples", o.samples, "Of each pixel; best a square: 4, 9, 16")
-        ->check(CLI::Range(1, 65536))
-        ->capture_default_str()
-        ->group(group);
+    add_material_options(command, o.scene, group);
+    add_scale_option(command, o.scale, group);
+    add_samples_option(command, o.samples, group);
     command.add_flag("--patch", o.patch, "Paint the ball out where the object is not")
         ->group(group);
 }
