@@ -19,26 +19,27 @@ bool within(const Image& image, int x, int y) {
     return x >= 0 && y >= 0 && x < image.width() && y < image.height();
 }
 
-/// Means of 2 x 2 known pixels; a pixel with an unknown one is unknown.
-Holed halved(const Holed& fine) {
+enum class UnknownIf { any, all };
+
+/// Means of 2 x 2 pixels, of those that are known; unknown where any or all of them are.
+Holed halved(const Holed& fine, UnknownIf unknown) {
     const Size size{(fine.look.width() + 1) / 2, (fine.look.height() + 1) / 2};
     const int channels = fine.look.channels();
     Holed coarse{Image(size, channels), std::vector<char>(size.pixels())};
     for (int y = 0; y < size.height; ++y)
         for (int x = 0; x < size.width; ++x) {
-            float count = 0;
+            int known = 0, all = 0;
             float* to = coarse.look.pixel(x, y);
             for (int k = 0; k < 4; ++k) {
                 const int fx = 2 * x + k % 2, fy = 2 * y + k / 2;
                 if (!within(fine.look, fx, fy)) continue;
-                if (fine.hole[fine.at(fx, fy)]) {
-                    coarse.hole[coarse.at(x, y)] = 1;
-                    continue;
-                }
+                ++all;
+                if (fine.hole[fine.at(fx, fy)]) continue;
+                ++known;
                 for (int c = 0; c < channels; ++c) to[c] += fine.look.pixel(fx, fy)[c];
-                count += 1;
             }
-            for (int c = 0; c < channels && count > 0; ++c) to[c] /= count;
+            for (int c = 0; c < channels && known > 0; ++c) to[c] /= static_cast<float>(known);
+            coarse.hole[coarse.at(x, y)] = unknown == UnknownIf::any ? known < all : known == 0;
         }
     return coarse;
 }
@@ -229,9 +230,10 @@ private:
             std::vector<float> all;
             for (const GridPlace& t : targets_) all.push_back(off_[at(t)]);
             // So that a quarter of the patches counts for little.
-            const auto third = all.begin() + static_cast<std::ptrdiff_t>(all.size() * 3 / 4);
-            std::nth_element(all.begin(), third, all.end());
-            usual = *third;
+            const auto at_three_quarters =
+                all.begin() + static_cast<std::ptrdiff_t>(all.size() * 3 / 4);
+            std::nth_element(all.begin(), at_three_quarters, all.end());
+            usual = *at_three_quarters;
         }
         Image& look = picture_.look;
         const int channels = look.channels();
@@ -290,21 +292,7 @@ void fill_smoothly(Holed& picture) {
     if (size.width == 1 && size.height == 1) return;
     if (std::find(picture.hole.begin(), picture.hole.end(), 1) == picture.hole.end()) return;
     const int channels = picture.look.channels();
-    Holed coarse{Image({(size.width + 1) / 2, (size.height + 1) / 2}, channels), {}};
-    coarse.hole.resize(coarse.look.size().pixels());
-    for (int y = 0; y < coarse.look.height(); ++y)
-        for (int x = 0; x < coarse.look.width(); ++x) {
-            float count = 0;
-            float* to = coarse.look.pixel(x, y);
-            for (int k = 0; k < 4; ++k) {
-                const int fx = 2 * x + k % 2, fy = 2 * y + k / 2;
-                if (!within(picture.look, fx, fy) || picture.hole[picture.at(fx, fy)]) continue;
-                for (int c = 0; c < channels; ++c) to[c] += picture.look.pixel(fx, fy)[c];
-                count += 1;
-            }
-            for (int c = 0; c < channels && count > 0; ++c) to[c] /= count;
-            coarse.hole[coarse.at(x, y)] = count == 0;
-        }
+    Holed coarse = halved(picture, UnknownIf::all);
     fill_smoothly(coarse);
     for (int y = 0; y < size.height; ++y)
         for (int x = 0; x < size.width; ++x) {
@@ -326,7 +314,7 @@ std::vector<std::optional<GridPlace>> likest_places(Holed picture) {
     std::vector<Level> levels;
     while (true) {
         const bool small = hole_width(picture) <= kSmallHole;
-        Holed next = small ? Holed{} : halved(picture);
+        Holed next = small ? Holed{} : halved(picture, UnknownIf::any);
         levels.emplace_back(std::move(picture));
         const bool usable = levels.back().has_sources();
         if (!usable) levels.pop_back();
