@@ -399,6 +399,34 @@ TEST(Shot, PutsAnAnimatedObjectIntoThePlatesFrameByFrame) {
     EXPECT_EQ(fs::last_write_time(folder / "out/probe.1005.exr"), map);
 }
 
+TEST(Shot, MakesPicturesAnewWhoseObjectsPointsChanged) {
+    const TempFolder folder;
+    put_plates(folder);
+    make(folder, "out");
+    const auto points = [](float size) {
+        const float corners[9] = {-size, -size, 0, size, -size, 0, 0, size, 0};
+        return std::string(reinterpret_cast<const char*>(corners), sizeof corners);
+    };
+    write_bytes(folder / "leaf.bin", points(1));
+    write_bytes(
+        folder / "leaf.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
+                          "min":[-9,-9,0],"max":[9,9,0]}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],
+            "buffers":[{"uri":"leaf.bin","byteLength":36}]})");
+    // A pattern: in its own units.
+    for (const auto& [frame, plate] : plates())
+        fs::copy_file(folder / "leaf.gltf", folder / fmt::format("leaf.{}.gltf", frame));
+    const Words words = insert("out", "leaf.####.gltf");
+    ASSERT_EQ(run(folder, words).status, 0);
+    const std::string small = read_bytes(comp(folder, 1005));
+    write_bytes(folder / "leaf.bin", points(2));
+    ASSERT_EQ(run(folder, words).status, 0);
+    EXPECT_NE(read_bytes(comp(folder, 1005)), small);
+}
+
 TEST(Shot, RefusesObjectsThatHaveNoPlace) {
     const TempFolder folder;
     put_plates(folder);
