@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "io/facts.h"
 #include "io/read.h"
+#include "photo_job.h"
 
 namespace chromeball {
 namespace {
@@ -149,6 +150,7 @@ Bracket read_bracket(const std::vector<std::string>& files, const std::vector<do
     for (const std::string& file : files) {
         auto photo = std::make_shared<Photo>(read_photo(file, {.max_pixels = max_pixels}));
         console.watch("").check();
+        if (!photo->damage.empty()) console.warn(damage_warning(*photo));
         if (!bracket.photos.empty()) check_like_first(*photo, *bracket.photos.front());
         std::string warning;
         const std::string space = colors.input_space(*photo, input_space, &warning);

@@ -12,6 +12,7 @@
 #include "io/read.h"
 #include "map_files.h"
 #include "map_job.h"
+#include "photo_job.h"
 
 namespace chromeball {
 namespace {
@@ -34,6 +35,7 @@ std::optional<std::string> misfit(const Photo& photo, const Layout& layout) {
 Image decoded(const std::string& path, const Layout& layout, std::int64_t max_pixels,
               const ColorConfig& colors, const std::optional<std::string>& space, MapInput& input) {
     const Photo photo = read_photo(path, {max_pixels, std::nullopt});
+    if (!photo.damage.empty()) input.warnings.push_back(damage_warning(photo));
     std::string warning;
     input.space = colors.input_space(photo, space, &warning);
     if (!warning.empty()) input.warnings.push_back(warning);

@@ -246,7 +246,8 @@ BallLight ball_light(const PhotoJob& job, const MirrorBall& ball, double lens_bl
         if (job.unread) {
             ReadOptions read = *job.unread;
             read.bands = take;
-            read_photo(job.photo.name, read);
+            const Photo photo = read_photo(job.photo.name, read);
+            if (!photo.damage.empty()) light.warnings.push_back(damage_warning(photo));
         } else {
             take(job.photo);
         }

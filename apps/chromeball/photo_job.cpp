@@ -192,6 +192,7 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
         job.unread = read;
     else
         job.photo = read_photo(path, read);
+    if (!job.photo.damage.empty()) job.warnings.push_back(damage_warning(job.photo));
     watch.check();
     job.camera = choose_camera(options, job.photo);
     if (told) {
@@ -216,6 +217,12 @@ PhotoJob open_photo(const std::string& path, const PhotoOptions& options, const 
     return job;
 }
 
+std::string damage_warning(const Photo& photo) {
+    return fmt::format(
+        "{}: is damaged ({}); parts of the picture may be wrong: copy or export it again",
+        photo.name, photo.damage);
+}
+
 Error no_ball(const PhotoJob& job, double threshold) {
     const std::string best = job.ball.candidate
                                  ? fmt::format("best candidate scores {:.2f}, {:.2f} is needed",
@@ -226,7 +233,8 @@ Error no_ball(const PhotoJob& job, double threshold) {
     if (past && find_layout(past->layout))
         way_out = fmt::format("it is a map: convert it with --from {}", past->layout);
     return {Error::Kind::no_ball,
-            fmt::format("{}: no mirror ball found ({}); {}", job.photo.name, best, way_out)};
+            fmt::format("{}: no mirror ball found ({}{}); {}", job.photo.name, best,
+                        job.photo.damage.empty() ? "" : "; the file is damaged", way_out)};
 }
 
 Image drawn_image(const Photo& picture) {

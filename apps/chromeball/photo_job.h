@@ -56,6 +56,9 @@ Outline parse_outline(std::string_view option, std::string_view value,
 /// ", --cameras".
 std::string unknown_lens_warning(const std::string& name, std::string_view more = "");
 
+/// Of a photo whose data is damaged, but not so that nothing could be decoded.
+std::string damage_warning(const Photo& photo);
+
 /// The outline that --ball or --ellipse tells of a photo. Throws Error (usage) where it lies
 /// outside.
 Outline told_outline(const Photo& photo, const PhotoOptions& options);

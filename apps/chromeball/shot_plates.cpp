@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "io/input_file.h"
+#include "photo_job.h"
 #include "shot/records.h"
 
 namespace chromeball {
@@ -78,7 +79,10 @@ Photo Plates::header(int frame, const ReadOptions& options) const {
 }
 
 Photo Plates::read(int frame, const ReadOptions& options) const {
-    return pattern_ ? read_photo(pattern_->path(frame), options) : clip_->read(frame - 1);
+    if (!pattern_) return clip_->read(frame - 1);
+    Photo photo = read_photo(pattern_->path(frame), options);
+    if (!photo.damage.empty()) throw Error(Error::Kind::failed, damage_warning(photo));
+    return photo;
 }
 
 }  // namespace chromeball

@@ -47,6 +47,8 @@ struct Photo {
     bool associated_alpha = true;  ///< whether colour is already multiplied by alpha
     ColorTag color;
     Metadata metadata;
+    /// What the decoder found wrong in the pixels' data and went on over; empty where all is well.
+    std::string damage;
 };
 
 }  // namespace chromeball

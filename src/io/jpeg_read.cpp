@@ -27,6 +27,7 @@ struct Complaint {
     jpeg_error_mgr manager{};  // first: libjpeg hands out a pointer to it
     std::jmp_buf out{};
     std::array<char, JMSG_LENGTH_MAX> text{};
+    std::array<char, JMSG_LENGTH_MAX> warning{};  ///< the first one
 };
 
 void on_error(j_common_ptr jpeg) {
@@ -35,7 +36,12 @@ void on_error(j_common_ptr jpeg) {
     std::longjmp(complaint->out, 1);
 }
 
-void on_warning(j_common_ptr, int) {}
+/// level: below 0 of damaged data, which libjpeg guesses on from; else what only developers read.
+void on_message(j_common_ptr jpeg, int level) {
+    auto* complaint = reinterpret_cast<Complaint*>(jpeg->err);
+    if (level < 0 && complaint->warning[0] == 0)
+        complaint->manager.format_message(jpeg, complaint->warning.data());
+}
 
 /// A file being read; libjpeg's part of it.
 class Reader {
@@ -43,7 +49,7 @@ public:
     explicit Reader(const std::string& path) : file_(open_input(path)) {
         jpeg_.err = jpeg_std_error(&complaint_.manager);
         complaint_.manager.error_exit = on_error;
-        complaint_.manager.emit_message = on_warning;
+        complaint_.manager.emit_message = on_message;
     }
     ~Reader() { jpeg_destroy_decompress(&jpeg_); }
     Reader(const Reader&) = delete;
@@ -68,6 +74,7 @@ public:
         });
     }
     const char* complaint() const { return complaint_.text.data(); }
+    const char* warning() const { return complaint_.warning.data(); }
     jpeg_decompress_struct& jpeg() { return jpeg_; }
 
 private:
@@ -127,7 +134,7 @@ Photo describe(const std::string& path, Reader& reader, Exif& exif) {
     return photo;
 }
 
-/// Decodes the photo's window; rows above it have to be decoded, too, those below do not.
+/// Decodes the photo's window; rows above it have to be decoded, too.
 class Decoding {
 public:
     Decoding(Reader& reader, const Photo& photo)
@@ -153,6 +160,23 @@ public:
                 jpeg_read_scanlines(&jpeg, &row, 1);
             }
         }));
+    }
+    /// What was wrong in the data, to its end: where one code was changed into another all that
+    /// follows is shifted, which shows only there, when some is left over. Rows that are not wanted
+    /// are not turned into pixels.
+    std::string damage() {
+        std::vector<std::byte> last(row_bytes_);
+        checked(reader_.run([&last](jpeg_decompress_struct& jpeg) {
+            const JDIMENSION left = jpeg.output_height - jpeg.output_scanline;
+            if (left > 0) {
+                // To skip all would not look at them.
+                jpeg_skip_scanlines(&jpeg, left - 1);
+                auto* row = reinterpret_cast<JSAMPROW>(last.data());
+                jpeg_read_scanlines(&jpeg, &row, 1);
+            }
+            jpeg_finish_decompress(&jpeg);
+        }));
+        return reader_.warning();
     }
 
 private:
@@ -197,10 +221,12 @@ std::optional<Photo> decode_jpeg(const std::string& path, const FileProbe& probe
                 decoding.read(band.pixels.data(), band.window.size.height);
                 request.bands(band);
             }
+            photo.damage = decoding.damage();
             return photo;
         }
         photo.pixels.resize(photo.window.size.pixels() * static_cast<std::size_t>(photo.channels));
         decoding.read(photo.pixels.data(), last - first);
+        photo.damage = decoding.damage();
     }
     make_upright(photo, exif.orientation);
     return photo;

@@ -69,6 +69,17 @@ TEST_F(BadInput, ATruncatedJpegIsRefused) {
     expect_unreadable("half.jpg", {"copy"});
 }
 
+TEST_F(BadInput, AJpegWithAPieceMissingIsConvertedAndCalledDamaged) {
+    write_picture(folder / "holed.jpg", a_ball_photo());
+    std::string bytes = read_bytes(folder / "holed.jpg");
+    write_bytes(folder / "holed.jpg", bytes.erase(bytes.size() * 3 / 4, 40));
+    const Outcome outcome = run(
+        folder, {"convert", "holed.jpg", "--ball", "60,48,40", "-o", "holed.exr", "--size", "16"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(outcome.says("holed.jpg: is damaged")) << outcome.err;
+    EXPECT_EQ(outcome.lines_with("warning: holed.jpg: is damaged"), 1U) << outcome.err;
+}
+
 TEST_F(BadInput, ATruncatedExrIsRefused) {
     write_exr(folder / "whole.exr", a_ball_photo());
     const std::string bytes = read_bytes(folder / "whole.exr");

@@ -132,6 +132,21 @@ TEST(Jpeg, ComesInBandsThatAreThePicture) {
     EXPECT_TRUE(pixels == whole.pixels);
 }
 
+TEST(Jpeg, WithAPieceMissingIsCalledDamaged) {
+    const TempFolder folder;
+    const std::string path = folder / "x.jpg";
+    write_camera_jpeg(path, 3, 1);
+    EXPECT_EQ(read_photo(path).damage, "");
+    EXPECT_EQ(read_photo(path, {.rows = {{30, 90}}}).damage, "");
+    std::string bytes = test::read_bytes(path);
+    test::write_bytes(path, bytes.erase(bytes.size() / 2, bytes.size() / 4));
+    EXPECT_NE(read_photo(path).damage, "");
+    // Whichever rows are wanted, at once or in bands.
+    EXPECT_NE(read_photo(path, {.rows = {{30, 90}}}).damage, "");
+    EXPECT_NE(read_photo(path, {.rows = {{30, 90}}, .bands = [](const Photo&) {}}).damage, "");
+    EXPECT_EQ(read_header(path).damage, "");
+}
+
 TEST(Jpeg, WithMoreThanExifIsLeftToOpenImageIO) {
     const TempFolder folder;
     const std::string path = folder / "x.jpg";
