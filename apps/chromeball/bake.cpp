@@ -13,8 +13,6 @@
 #include "commands.h"
 #include "console.h"
 #include "core/names.h"
-#include "core/parallel.h"
-#include "io/threads.h"
 #include "light_input.h"
 #include "map_files.h"
 #include "map_job.h"
@@ -111,8 +109,7 @@ OutputPlan planned(OutputOptions output) {
 
 void run_bake(const BakeCommand& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const OutputPlan plan = planned(o.map.output);
     const ColorConfig colors = ColorConfig::load(o.light.color.ocio);
     check_map_options(o.map, plan, colors);

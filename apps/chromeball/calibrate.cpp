@@ -9,10 +9,8 @@
 #include "color/color.h"
 #include "commands.h"
 #include "console.h"
-#include "core/parallel.h"
 #include "grey_job.h"
 #include "io/read.h"
-#include "io/threads.h"
 #include "io/write.h"
 #include "map_files.h"
 #include "numbers.h"
@@ -144,8 +142,7 @@ std::size_t clipped_on_ball(const Photo& photo, const MirrorBall& ball, const Ba
 
 void run_calibrate(const CalibrateOptions& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     check_words(o);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);

@@ -9,11 +9,9 @@
 #include "color/color.h"
 #include "commands.h"
 #include "console.h"
-#include "core/parallel.h"
 #include "grey_job.h"
 #include "io/facts.h"
 #include "io/read.h"
-#include "io/threads.h"
 #include "io/write.h"
 #include "light/blend.h"
 #include "map_files.h"
@@ -188,8 +186,7 @@ void check_input(const ConvertOptions& o) {
 
 void run_convert(const ConvertOptions& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const OutputPlan plan = plan_output(o.map.output);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);

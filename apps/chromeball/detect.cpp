@@ -13,7 +13,6 @@
 #include "core/parallel.h"
 #include "detect/contact_sheet.h"
 #include "io/facts.h"
-#include "io/threads.h"
 #include "io/write.h"
 #include "map_files.h"
 #include "options.h"
@@ -217,8 +216,7 @@ int status_of(const std::vector<DetectReport>& reports) {
 
 void run_detect(const DetectCommand& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const bool several = o.photos.size() > 1;
     if (o.overlay) check_pictures(*o.overlay, o.photos, ".png");
     if (o.crop) check_pictures(*o.crop, o.photos, ".exr");

@@ -4,9 +4,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/error.h"
-#include "core/parallel.h"
 #include "inspect.h"
-#include "io/threads.h"
 #include "options.h"
 #include "report.h"
 
@@ -47,8 +45,7 @@ std::string text_of(const InfoReport& r) {
 }
 
 void run_info(const InfoOptions& o) {
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     const InfoReport report = inspect(o.file, o.from, o.max_pixels, colors, o.color.input_space);
     print_result(o.json ? to_json(report) : text_of(report));

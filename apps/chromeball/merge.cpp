@@ -12,7 +12,6 @@
 #include "console.h"
 #include "core/parallel.h"
 #include "io/facts.h"
-#include "io/threads.h"
 #include "io/write.h"
 #include "light/merge.h"
 #include "light/response.h"
@@ -260,8 +259,7 @@ Known solved_bracket(const MergeOptions& o, const Bracket& bracket, const Consol
 
 void run_merge(const MergeOptions& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const FileFormat format = check_words(o);
     const std::vector<double> times = times_of(o);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);

@@ -5,7 +5,13 @@
 
 #include <cmath>
 
+#include "io/threads.h"
+
 namespace chromeball {
+
+UsedThreads::UsedThreads(const CommonOptions& options) : limit_(options.threads) {
+    set_coding_threads(options.threads);
+}
 
 std::string comma_list(const std::vector<std::string>& names) {
     std::string list;

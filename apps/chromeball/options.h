@@ -7,12 +7,24 @@
 #include <optional>
 #include <string>
 
+#include "core/parallel.h"
+
 namespace chromeball {
 
 /// Of every command.
 struct CommonOptions {
     bool quiet = false;
     int threads = 0;  ///< 0: all processors
+};
+
+/// --threads for as long as this lives: of our own loops and of the libraries that decode and
+/// encode.
+class UsedThreads {
+public:
+    explicit UsedThreads(const CommonOptions& options);
+
+private:
+    ThreadLimit limit_;
 };
 
 /// How colours are read.

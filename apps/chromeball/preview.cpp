@@ -12,8 +12,6 @@
 #include "color/color.h"
 #include "commands.h"
 #include "console.h"
-#include "core/parallel.h"
-#include "io/threads.h"
 #include "io/write.h"
 #include "light_input.h"
 #include "map_files.h"
@@ -186,8 +184,7 @@ Image rendered(const Scene& scene, const Tracer& tracer, const Environment& envi
 /// The page that --html asks for, instead of pictures.
 void run_page(const PreviewCommand& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     if (!o.map.output.output.empty()) refuse("-o and --html: give one, a picture or a page");
     if (o.scene.set || o.scene.scene)
         refuse("--html shows one object: --mesh, not --set or --scene");
@@ -232,8 +229,7 @@ void check_over(const PreviewCommand& o) {
 
 void run_preview(const PreviewCommand& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const OutputPlan plan = plan_output(o.map.output);
     const ColorConfig colors = ColorConfig::load(o.light.color.ocio);
     if (o.light.color.input_space) colors.space(*o.light.color.input_space);

@@ -9,9 +9,7 @@
 #include "commands.h"
 #include "console.h"
 #include "core/error.h"
-#include "core/parallel.h"
 #include "io/facts.h"
-#include "io/threads.h"
 #include "light/blend.h"
 #include "light/rotation.h"
 #include "map_files.h"
@@ -112,8 +110,7 @@ void warn_of_unknown_lenses(const std::vector<ViewInput>& views, const ViewAlign
 
 void run_stitch(const StitchOptions& o) {
     const Console console(o.common.quiet);
-    const ThreadLimit limit(o.common.threads);
-    set_coding_threads(o.common.threads);
+    const UsedThreads threads(o.common);
     const OutputPlan plan = plan_output(o.map.output);
     const ColorConfig colors = ColorConfig::load(o.color.ocio);
     if (o.color.input_space) colors.space(*o.color.input_space);
