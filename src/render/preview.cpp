@@ -69,17 +69,11 @@ private:
             RayPacket rays;
             for (int i = 0; i < RayPacket::kRays; ++i) {
                 const int px = x + i % kBlock, py = y + i / kBlock;
-                rays.valid[i] = px < size.width && py < size.height ? -1 : 0;
                 const Beam beam =
                     view_.beam(px + static_cast<double>(samples.offsets[k].x),
                                py + static_cast<double>(samples.offsets[k].y), samples.step);
-                rays.ox[i] = beam.origin.x;
-                rays.oy[i] = beam.origin.y;
-                rays.oz[i] = beam.origin.z;
-                rays.dx[i] = beam.direction.x;
-                rays.dy[i] = beam.direction.y;
-                rays.dz[i] = beam.direction.z;
-                rays.from[i] = 0;
+                rays.start(i, beam.origin, beam.direction);
+                if (px >= size.width || py >= size.height) rays.valid[i] = 0;
                 if (options_.clip) clip(rays, i, beam);
                 beams[i] = beam;
             }

@@ -13,6 +13,13 @@ struct RayPacket {
     alignas(64) std::int32_t valid[kRays];  ///< -1: follow it, 0: leave it
     alignas(64) float ox[kRays], oy[kRays], oz[kRays], from[kRays];
     alignas(64) float dx[kRays], dy[kRays], dz[kRays];
+
+    /// Ray `i` starts at `origin`, and is followed.
+    void start(int i, const V3f& origin, const V3f& direction) {
+        valid[i] = -1;
+        ox[i] = origin.x, oy[i] = origin.y, oz[i] = origin.z, from[i] = 0;
+        dx[i] = direction.x, dy[i] = direction.y, dz[i] = direction.z;
+    }
 };
 
 /// What a ray met first.

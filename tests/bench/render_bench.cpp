@@ -55,14 +55,7 @@ std::vector<RayPacket> packets(const View& view, int sample) {
             RayPacket& p = all.emplace_back();
             for (int i = 0; i < RayPacket::kRays; ++i) {
                 const Beam beam = view.beam(x + i % kBlock + off_x, y + i / kBlock + off_y, 1);
-                p.valid[i] = -1;
-                p.ox[i] = beam.origin.x;
-                p.oy[i] = beam.origin.y;
-                p.oz[i] = beam.origin.z;
-                p.dx[i] = beam.direction.x;
-                p.dy[i] = beam.direction.y;
-                p.dz[i] = beam.direction.z;
-                p.from[i] = 0;
+                p.start(i, beam.origin, beam.direction);
             }
         }
     return all;
