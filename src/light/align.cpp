@@ -270,6 +270,7 @@ struct Fit {
     double spread = 0.3;     ///< of what does not fit, natural logarithm; bounded below
     double misfit = 0;       ///< the same before the last step, not bounded
     std::size_t pixels = 0;
+    double likeness = 0;  ///< of what both show there, -1 to 1
 };
 
 /// One step of Gauss and Newton, with the reference's slopes; false where the rasters share too
@@ -412,9 +413,9 @@ double likeness(const Raster& reference, const Raster& other, V2d shift) {
     return both / std::sqrt(mine * its);
 }
 
-/// Other on reference, in the finest level's pixels; nothing where they share too little.
-std::optional<Fit> fit(const Pyramid& reference, const Pyramid& other,
-                       const std::optional<V2d>& hint) {
+/// As `fit`, without how alike they are there.
+std::optional<Fit> shifted(const Pyramid& reference, const Pyramid& other,
+                           const std::optional<V2d>& hint) {
     const int coarsest = static_cast<int>(reference.levels.size()) - 1;
     // A few pixels are a fraction of one four levels up.
     if (hint) return fit_from(reference, other, *hint, std::min(coarsest, 4));
@@ -427,6 +428,23 @@ std::optional<Fit> fit(const Pyramid& reference, const Pyramid& other,
     const Raster &a = reference.levels.front(), &b = other.levels.front();
     return likeness(a, b, still->shift) >= likeness(a, b, found->shift) ? still : found;
 }
+
+/// Other on reference, in the photos' pixels, of which the finest level's are so many; nothing
+/// where they share too little.
+std::optional<Fit> fit(const Pyramid& reference, const Pyramid& other, std::optional<V2d> hint,
+                       int factor) {
+    if (hint) *hint /= factor;
+    auto found = shifted(reference, other, hint);
+    if (!found) return found;
+    found->likeness = likeness(reference.levels.front(), other.levels.front(), found->shift);
+    found->shift *= factor;
+    found->deviation *= factor;
+    return found;
+}
+
+/// Photos of one thing are 0.8 and more alike, whatever their exposures; of different ones, such as
+/// a ball and somebody before it, 0.1 and less.
+constexpr double kSurelyAlike = 0.7, kAlike = 0.4;
 
 int factor_of(const Window& window) {
     return 1 + (std::max(window.size.width, window.size.height) - 1) / kLongest;
@@ -479,14 +497,38 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
             const int photo = order[index(i)];
             const int neighbour = order[index(i < middle ? i + 1 : i - 1)];
             const bool wide = whole(photo) || whole(neighbour);
-            const int factor = wide ? all_factor : region_factor;
-            const auto& from = wide ? all_levels : levels;
             const auto here = hint(photo), there = hint(neighbour);
             std::optional<V2d> between;
-            if (here && there) between = (*here - *there) / factor;
-            auto one = fit(from[index(neighbour)], from[index(photo)], between);
-            if (one) one->shift *= factor, one->deviation *= factor;
-            fits[index(i)] = one;
+            if (here && there) between = *here - *there;
+            fits[index(i)] =
+                wide ? fit(all_levels[index(neighbour)], all_levels[index(photo)], between,
+                           all_factor)
+                     : fit(levels[index(neighbour)], levels[index(photo)], between, region_factor);
+        },
+        watch);
+    // Something hides the region in one of them, or its outline was seen where it is not: what lies
+    // around can tell.
+    std::vector<int> doubtful;
+    for (int i = 0; i < count; ++i)
+        if (i != middle && (!fits[index(i)] || fits[index(i)]->likeness < kSurelyAlike))
+            doubtful.push_back(i);
+    for (const int i : doubtful)
+        for (const int j : {i, i < middle ? i + 1 : i - 1}) {
+            Pyramid& made = all_levels[index(order[index(j)])];
+            if (made.levels.empty())
+                made = pyramid(
+                    raster_of(photos[index(order[index(j)])], response, all, all_factor, channel));
+        }
+    for_each_band(
+        static_cast<int>(doubtful.size()), 1,
+        [&](int k, int) {
+            const int i = doubtful[index(k)];
+            const int photo = order[index(i)];
+            const int neighbour = order[index(i < middle ? i + 1 : i - 1)];
+            const auto around = fit(all_levels[index(neighbour)], all_levels[index(photo)],
+                                    std::nullopt, all_factor);
+            auto& best = fits[index(i)];
+            if (around && (!best || around->likeness > best->likeness)) best = around;
         },
         watch);
     std::vector<Alignment> found(photos.size());
@@ -500,6 +542,8 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
         if (one && one->deviation < kUnsure) {
             found[photo] = {neighbour.shift + one->shift,
                             std::hypot(neighbour.deviation, one->deviation), true};
+            if (one->likeness > kAlike) return;
+            found[photo] = {neighbour.shift, 0, false, true};
         } else {
             const auto known = hint(static_cast<int>(photo));
             found[photo] = {known.value_or(neighbour.shift), 0, known.has_value()};

@@ -14,6 +14,9 @@ struct Alignment {
     V2d shift{0, 0};
     double deviation = 0;   ///< standard deviation, pixels
     bool measured = false;  ///< false: the photos share too little; shift is the hint's, or 0
+    /// They share much, and nowhere is it alike: it cannot be laid on the others, and shows
+    /// something else. Not measured then.
+    bool unlike = false;
 };
 
 struct AlignOptions {
@@ -34,6 +37,9 @@ struct AlignOptions {
 /// Lucas and Kanade: An Iterative Image Registration Technique, 1981, over a pyramid; here of the
 /// logarithm less its local mean, which neither exposure nor a curve that is a little wrong
 /// changes, with weights by its noise, and little weight for what moved.
+///
+/// Where a photo does not show in the region what its neighbour does, since somebody walks through
+/// or since the hint is another ball's, the whole picture lays it on the neighbour.
 ///
 /// order       the photos' numbers from dark to bright
 /// reference   the number of the photo that stays

@@ -246,6 +246,9 @@ TEST_F(Merge, ThePhotoWhoseBallIsLostIsLaidOnTheOthersByThePicture) {
         outcome.says("a.jpg: its ball is lost; it is laid on the others by the whole "
                      "picture"))
         << outcome.err;
+    const json shift = json::parse(outcome.out).at("photos")[0].at("shift");
+    EXPECT_NEAR(shift[0], 3, 0.5);
+    EXPECT_NEAR(shift[1], -2, 0.5);
 }
 
 TEST_F(Merge, TheBracketWhoseBallIsLostInOneExposureIsMerged) {

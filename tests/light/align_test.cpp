@@ -76,6 +76,74 @@ TEST(Align, KeepsATripodStill) {
     for (const Alignment& one : found) EXPECT_EQ(one.shift, V2d(0, 0));
 }
 
+/// Where the ball is taken to be.
+constexpr Window kBall{80, 50, {90, 80}};
+bool in_ball(double x, double y) { return x > 80 && x < 170 && y > 50 && y < 130; }
+
+/// Somebody in a coat with a pattern of its own.
+Rgb passer_by(double x, double y) {
+    const double v = 0.4 * (1 + 0.4 * grain(x / 9 + 700, y / 9 + 300));
+    return {v, 0.7 * v, 0.5 * v};
+}
+
+TEST(Align, LaysAPhotoWhoseRegionIsHiddenOnTheOthersByWhatLiesAround) {
+    const std::vector<Take> takes{{0.06, {3.3, -2.4}}, {0.1, {0, 0}}, {0.3, {-1.6, 4.2}}};
+    const auto hidden = [](double x, double y) {
+        return in_ball(x, y) ? passer_by(x, y) : textured(x, y);
+    };
+    auto photos = photos_of(textured, kSize, takes);
+    photos[0] = photo_of(hidden, kSize, takes[0], 1);
+    AlignOptions options;
+    options.region = kBall;
+    const std::vector<int> order{0, 1, 2};
+    expect_shifts(align(photos, order, 1, Response::srgb(), options), takes, 0.1);
+    // A hint for it is another ball's beside it, or what was taken for one.
+    options.hints = {V2d(61, -7), V2d(0, 0), V2d(-1, 4)};
+    expect_shifts(align(photos, order, 1, Response::srgb(), options), takes, 0.1);
+}
+
+TEST(Align, DoesNotBelieveAHintThatThePictureContradicts) {
+    const std::vector<Take> takes{{0.06, {2.2, 1.4}}, {0.15, {0, 0}}};
+    const auto photos = photos_of(textured, kSize, takes);
+    AlignOptions options;
+    options.region = kBall;
+    options.hints = {V2d(-48, 20), V2d(0, 0)};
+    expect_shifts(align(photos, std::vector<int>{0, 1}, 1, Response::srgb(), options), takes, 0.1);
+}
+
+TEST(Align, SaysOfAPhotoOfSomethingElseThatItIs) {
+    const std::vector<Take> takes{{0.06, {2.2, 1.4}}, {0.15, {0, 0}}, {0.3, {-2.5, 0.7}}};
+    auto photos = photos_of(textured, kSize, takes);
+    photos[0] = photo_of(passer_by, kSize, {0.15, {0, 0}}, 1);
+    for (const bool hinted : {false, true}) {
+        AlignOptions options;
+        if (hinted) {
+            options.region = kBall;
+            options.hints = {V2d(3, 2), V2d(0, 0), V2d(-2, 1)};
+        }
+        const auto found = align(photos, std::vector<int>{0, 1, 2}, 1, Response::srgb(), options);
+        EXPECT_FALSE(found[0].measured);
+        EXPECT_TRUE(found[0].unlike);
+        EXPECT_TRUE(found[2].measured);
+        EXPECT_FALSE(found[2].unlike);
+        EXPECT_LT((found[2].shift - takes[2].shift).length(), 0.1);
+    }
+}
+
+TEST(Align, KnowsPhotosInNoiseForTheSame) {
+    // The short exposure's texture is hardly more than its noise and steps.
+    std::vector<Take> takes{{0.02, {2.2, 1.4}}, {0.15, {0, 0}}};
+    for (Take& take : takes) take.noise = 0.004;
+    for (const bool whole : {true, false}) {
+        AlignOptions options;
+        if (!whole) options.region = kBall;
+        const auto found = align(photos_of(textured, kSize, takes), std::vector<int>{0, 1}, 1,
+                                 Response::srgb(), options);
+        EXPECT_TRUE(found[0].measured);
+        EXPECT_LT((found[0].shift - takes[0].shift).length(), 0.3);
+    }
+}
+
 TEST(Align, SaysWhenPhotosShareNothing) {
     std::vector<Take> takes{{1, {0, 0}}, {1000, {0, 0}}};
     const auto found =
