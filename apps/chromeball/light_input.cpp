@@ -60,6 +60,7 @@ Light read_light(const LightOptions& o, const MapOptions& map, const ColorConfig
     if (!input.confidence.empty()) fill_unbelieved(input.pixels, input.confidence, *layout);
     Light light;
     light.pixels = std::move(input.pixels);
+    light.confidence = std::move(input.confidence);
     light.layout = layout;
     light.space = input.space;
     light.to_world = told_rotation(map).value_or(Rotation());

@@ -34,6 +34,7 @@ struct PhotoView {
 /// An environment map in the working space, in the world's axes.
 struct Light {
     Image pixels;
+    Image confidence;  ///< as large, three channels alike; empty where the map has none
     const Layout* layout = nullptr;
     std::string space;  ///< the file's
     /// Of a photo: how it saw the ball, and how its camera stood.

@@ -200,7 +200,7 @@ void run_page(const PreviewCommand& o) {
     const Mesh mesh = page_mesh(o.scene, console);
     Light light = read_light(o.light, o.map, colors, console);
     const Environment environment(light.pixels, *light.layout);
-    Image faces = page_faces(environment, light.pixels, *light.layout, o.face);
+    Image faces = page_faces(environment, light.pixels, *light.layout, o.face, light.confidence);
     colors.from_working(faces, "lin_rec709");
     const std::string text =
         page(faces, mesh,

@@ -171,9 +171,16 @@ void replace_all(std::string& text, std::string_view mark, std::string_view by) 
 
 }  // namespace
 
-Image page_faces(const Environment& environment, const Image& map, const Layout& layout, int face) {
+Image page_faces(const Environment& environment, const Image& map, const Layout& layout, int face,
+                 const Image& confidence) {
     const Layout& opengl = *find_layout("faces-opengl");
     Image faces = resample(map_source(map, layout), opengl, face);
+    if (!confidence.empty()) {
+        const Image believed = resample(map_source(confidence, layout), opengl, face);
+        for (int y = 0; y < faces.height(); ++y)
+            for (int x = 0; x < faces.width(); ++x)
+                faces.pixel(x, y)[3] *= std::clamp(believed.pixel(x, y)[0], 0.0F, 1.0F);
+    }
     const Size size = faces.size();
     std::visit(
         [&](const auto& projection) {

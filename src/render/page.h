@@ -20,8 +20,11 @@ struct PageOptions {
 /// multiplied; what the map lacks is filled in, and bilinear drawing is made up for. What a page
 /// takes.
 ///
-/// map: what the environment was made of, with its layout; for the coverage.
-Image page_faces(const Environment& environment, const Image& map, const Layout& layout, int face);
+/// map:        what the environment was made of, with its layout; for the coverage
+/// confidence: how far the map is to be believed, as large, 0 to 1 in its first channel; the
+///             coverage is what is shown and believed. Empty: all that is shown
+Image page_faces(const Environment& environment, const Image& map, const Layout& layout, int face,
+                 const Image& confidence = {});
 
 /// One HTML file that needs nothing else: a mirror mesh in a map, to be turned by hand in any
 /// browser with WebGL 2. The map is a cube of half floats, its smaller levels are made by the page.

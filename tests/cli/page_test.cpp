@@ -9,6 +9,7 @@
 #include "cli/browser.h"
 #include "cli/program.h"
 #include "cli/world.h"
+#include "io/write.h"
 
 // The page that one can turn by hand: what is in it, and what a browser makes of it.
 
@@ -119,6 +120,52 @@ TEST_F(Page, IsOneFileBelowFourMegabytesThatNeedsNothing) {
     }
     EXPECT_LT(page({"--face=64"}).size(), 700'000u);
     EXPECT_EQ(page({"--face=64"}), page({"--face=64", "--threads=1"})) << "the same bytes";
+}
+
+/// What a page says of its map's coverage, 0 to 255, a face after the other.
+std::vector<int> coverage_in(const std::string& page) {
+    const std::string key = "\"coverage\":\"";
+    const std::size_t from = page.find(key) + key.size();
+    const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::vector<int> bytes, coverage;
+    unsigned bits = 0;
+    int count = 0;
+    for (std::size_t i = from; i < page.size() && page[i] != '"' && page[i] != '='; ++i) {
+        bits = bits << 6 | static_cast<unsigned>(letters.find(page[i]));
+        if ((count += 6) < 8) continue;
+        count -= 8;
+        bytes.push_back(static_cast<int>(bits >> count & 255U));
+    }
+    for (std::size_t i = 0; i + 1 < bytes.size(); i += 2)  // runs: how many, and of what
+        coverage.insert(coverage.end(), static_cast<std::size_t>(bytes[i]), bytes[i + 1]);
+    return coverage;
+}
+
+TEST_F(Page, MarksWhatTheMapIsNotSureOf) {
+    const Image map = read_floats(folder_ / "map.exr");
+    Image sure(map.size(), 5);
+    for (int y = 0; y < map.height(); ++y)
+        for (int x = 0; x < map.width(); ++x) {
+            float* to = sure.pixel(x, y);
+            std::copy_n(map.pixel(x, y), 3, to);
+            to[3] = 1;
+            to[4] = y < map.height() / 2 ? 1.0F : 0.25F;  // of what lies below only a little
+        }
+    WriteOptions options;
+    options.full_float = true;
+    options.confidence = true;
+    write_image(folder_ / "map.exr", sure.view(), options);
+    const auto coverage = coverage_in(page({"--face=16"}));
+    ASSERT_EQ(coverage.size(), 6U * 16 * 16);
+    const auto face = [&](std::size_t k) {
+        return std::vector<int>(coverage.begin() + static_cast<std::ptrdiff_t>(k * 256),
+                                coverage.begin() + static_cast<std::ptrdiff_t>((k + 1) * 256));
+    };
+    EXPECT_EQ(face(2), std::vector<int>(256, 255)) << "+Y";
+    EXPECT_EQ(face(3), std::vector<int>(256, 64)) << "-Y: a quarter of 255";
+    // As before, where the map says nothing of that.
+    write_exr(folder_ / "map.exr", map);
+    EXPECT_EQ(coverage_in(page({"--face=16"})), std::vector<int>(6U * 16 * 16, 255));
 }
 
 TEST_F(Page, IsRefusedWithPicturesAndSets) {
