@@ -345,6 +345,17 @@ struct Guess {
     double agreement = -1;
 };
 
+/// The first ones, of those that have come to the same place the best.
+std::vector<Guess> apart(std::vector<Guess> guesses, double angle, std::size_t most) {
+    std::vector<Guess> kept;
+    for (const Guess& guess : guesses)
+        if (kept.size() < most && std::all_of(kept.begin(), kept.end(), [&](const Guess& other) {
+                return angle_between(guess.to_world, other.to_world) > angle;
+            }))
+            kept.push_back(guess);
+    return kept;
+}
+
 /// The best rotation of a view against one that is placed.
 Guess best_guess(State& state, std::size_t placed, std::size_t view, const Watch& watch) {
     const Unturned& fixed = state.views[placed];
@@ -364,19 +375,19 @@ Guess best_guess(State& state, std::size_t placed, std::size_t view, const Watch
             guess.to_world = state.pose.to_world[view];
             const auto world = fibonacci_directions(2000);
             guess.agreement =
-                correlation(sampled(fixed.pyramid, world, fixed_pose, degrees * kDegree),
-                            sampled(free.pyramid, world, guess.to_world, degrees * kDegree));
+                likeness(sampled(fixed.pyramid, world, fixed_pose, degrees * kDegree),
+                         sampled(free.pyramid, world, guess.to_world, degrees * kDegree));
         }
         watch.check();
         std::stable_sort(guesses.begin(), guesses.end(),
                          [](const Guess& a, const Guess& b) { return a.agreement > b.agreement; });
-        if (guesses.size() > keep) guesses.resize(keep);
+        guesses = apart(std::move(guesses), 0.5 * degrees * kDegree, keep);
     }
     return guesses.front();
 }
 
-/// A correlation that is no chance.
-constexpr double kSurely = 0.8;
+/// A likeness that is no chance.
+constexpr double kSurely = 0.5;
 
 /// Places all views, one after the other, the one that fits best first.
 std::vector<std::size_t> placed_in_turn(State& state, const Watch& watch) {

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/parallel.h"
+#include "light/rotation_search.h"
 #include "support/views.h"
 
 namespace chromeball {
@@ -93,6 +94,46 @@ TEST(Align, FindsTurnsFromSixtyDegreesToBackToBack) {
                 EXPECT_GT(agreement, kLeastAgreement + 0.1) << apart << " degrees, place " << seed;
         }
     }
+}
+
+TEST(Align, IsNotDrawnToATurnThatLaysOnePhotographerOnTheOther) {
+    // Where correlation, to which two dark figures on each other count most, chose a wrong turn.
+    struct Case {
+        double apart;
+        unsigned seed, place;
+    };
+    for (const auto& [apart, seed, place] :
+         {Case{75, 75, 76}, Case{60, 1027, 327}, Case{75, 1055, 355}, Case{75, 1064, 364}}) {
+        const Rotation turn = random_turns(apart, 1, seed).front();
+        const ViewAlignment found = aligned(Place(place), Place(place), turn);
+        EXPECT_LT(degrees_between(found.to_world[1], turn), 0.05) << "place " << place;
+        for (const double agreement : found.agreement)
+            EXPECT_GT(agreement, kLeastAgreement + 0.1) << "place " << place;
+    }
+}
+
+TEST(Likeness, IsOneOfTheSameWhateverExposureAndTint) {
+    const Place place(8);
+    std::vector<ViewPyramid::Sample> a, b, other;
+    for (const V3d d : fibonacci_directions(1000)) {
+        const auto sample = [](V3d light) {
+            ViewPyramid::Sample one{{}, 1};
+            for (int c = 0; c < 3; ++c) one.value[c] = static_cast<float>(std::log2(light[c]));
+            return one;
+        };
+        a.push_back(sample(place(d)));
+        b.push_back(sample({0.3 * place(d).x, 0.2 * place(d).y, 5 * place(d).z}));
+        other.push_back(sample(place(Rotation::yaw_pitch_roll(70, 30, 20) * d)));
+    }
+    EXPECT_NEAR(likeness(a, b), 1, 1e-6);
+    EXPECT_LT(std::abs(likeness(a, other)), 0.15);
+    // A tenth of it shows something else, ten stops darker: it costs about that tenth.
+    auto hidden = b;
+    for (std::size_t i = 300; i < 400; ++i) std::fill_n(hidden[i].value, 3, -10.0F);
+    EXPECT_GT(likeness(a, hidden), 0.8);
+    // Nothing is said of what they hardly share.
+    for (std::size_t i = 20; i < b.size(); ++i) b[i].weight = 0;
+    EXPECT_EQ(likeness(a, b), -1);
 }
 
 TEST(Align, BelievesNoTurnOfDifferentPlaces) {
