@@ -9,6 +9,9 @@
 #include <optional>
 
 #include "core/statistics.h"
+#include "light/ball_beside.h"
+#include "light/rays.h"
+#include "light/view.h"
 
 namespace chromeball {
 namespace {
@@ -16,83 +19,15 @@ namespace {
 using std::numbers::pi;
 using Rgb = std::array<double, 3>;
 
-/// Light from a small part of the sphere.
-struct Ray {
-    V3d direction{0, 0, 0};  ///< unit vector
-    Rgb flux{};              ///< radiance times steradians
+/// What a pixel shows of a ball.
+struct Shown {
+    V3d view;       ///< from the camera
+    V3d normal;     ///< of the ball there
+    V3d direction;  ///< that is mirrored there
     double steradians = 0;
 };
 
-/// The sphere in pieces of equal height and about equal area, so that a hundred thousand pixels
-/// become a few thousand rays.
-class Rays {
-public:
-    void add(V3d d, const float* rgb, double steradians) {
-        const auto row =
-            static_cast<std::size_t>(std::clamp((d.y + 1) / 2 * kRows, 0.0, kRows - 1.0));
-        const double around = std::atan2(d.x, d.z) / (2 * pi) + 0.5;
-        const auto column =
-            static_cast<std::size_t>(std::clamp(around * kColumns, 0.0, kColumns - 1.0));
-        Ray& ray = rays_[row * kColumns + column];
-        ray.direction += d * steradians;
-        ray.steradians += steradians;
-        for (std::size_t c = 0; c < 3; ++c) ray.flux[c] += static_cast<double>(rgb[c]) * steradians;
-    }
-    /// Those that hold anything.
-    std::vector<Ray> take() const {
-        std::vector<Ray> all;
-        for (Ray ray : rays_) {
-            if (!(ray.steradians > 0)) continue;
-            ray.direction.normalize();
-            all.push_back(ray);
-        }
-        return all;
-    }
-    /// The same, and what the photo does not show (behind the ball, beyond the picture's edge) as
-    /// bright as what lies around it.
-    std::vector<Ray> take_filled() const {
-        constexpr double kCell = 4 * pi / (kRows * kColumns);
-        const std::vector<Ray> known = take();
-        std::vector<Ray> all = known;
-        if (known.empty()) return all;
-        // Pixels are no finer than cells, so that even where all is seen some cells hold too little
-        // and others too much; together they tell what is not seen.
-        double seen = 0, lacking = 0;
-        for (const Ray& ray : rays_) {
-            seen += ray.steradians;
-            lacking += std::max(0.0, kCell - ray.steradians);
-        }
-        const double part = lacking > 0 ? std::clamp((4 * pi - seen) / lacking, 0.0, 1.0) : 0;
-        for (std::size_t i = 0; i < rays_.size(); ++i) {
-            const double missing = part * (kCell - rays_[i].steradians);
-            if (missing < 0.01 * kCell) continue;
-            Ray filled{middle(i), {}, missing};
-            double total = 0;
-            for (const Ray& ray : known) {
-                const double apart = 1 - filled.direction.dot(ray.direction);  // half its square
-                const double weight = 1 / (1e-4 + apart * apart * apart);
-                total += weight * ray.steradians;
-                for (std::size_t c = 0; c < 3; ++c) filled.flux[c] += weight * ray.flux[c];
-            }
-            for (double& flux : filled.flux) flux *= missing / total;
-            all.push_back(filled);
-        }
-        return all;
-    }
-
-private:
-    static V3d middle(std::size_t cell) {
-        const double y = (static_cast<double>(cell / kColumns) + 0.5) / kRows * 2 - 1;
-        const double around =
-            ((static_cast<double>(cell % kColumns) + 0.5) / kColumns - 0.5) * 2 * pi;
-        const double across = std::sqrt(1 - y * y);
-        return {across * std::sin(around), y, across * std::cos(around)};
-    }
-    static constexpr std::size_t kRows = 48, kColumns = 96;
-    std::vector<Ray> rays_ = std::vector<Ray>(kRows * kColumns);
-};
-
-/// Calls f(x, y, direction, steradians) for the pixels that show the ball.
+/// Calls f(x, y, shown) for the pixels that show the ball.
 template <class F>
 void for_ball(const BallPicture& picture, F f) {
     const Affine back = picture.to_pixels.inverse();
@@ -102,27 +37,32 @@ void for_ball(const BallPicture& picture, F f) {
             const V2d position = back(Vec2<double>(x + 0.5, y + 0.5));
             const auto d = picture.ball.to_direction(position);
             if (!d) continue;
-            const double steradians = picture.ball.solid_angle(position) * area;
-            if (std::isfinite(steradians)) f(x, y, V3d(*d).normalized(), steradians);
+            const V3d direction = V3d(*d).normalized(), view = picture.ball.ray(position);
+            // direction = view - 2 (view.n) n
+            const Shown shown{view, (direction - view).normalized(), direction,
+                              picture.ball.solid_angle(position) * area};
+            if (std::isfinite(shown.steradians)) f(x, y, shown);
         }
 }
 
-std::vector<Ray> rays_of(const BallPicture& mirror) {
+/// What the mirror ball shows, but for what a ball beside it hides there; that and what the photo
+/// does not show are filled.
+Rays rays_of(const BallPicture& mirror, const BallBeside* beside) {
     Rays rays;
-    for_ball(mirror, [&](int x, int y, V3d d, double steradians) {
-        rays.add(d, mirror.pixels->pixel(x, y), steradians);
-    });
-    return rays.take_filled();
-}
-
-Rgb irradiance_of(const std::vector<Ray>& rays, V3d normal) {
-    Rgb sum{};
-    for (const Ray& ray : rays) {
-        const double cosine = normal.dot(ray.direction);
-        if (cosine <= 0) continue;
-        for (std::size_t c = 0; c < 3; ++c) sum[c] += cosine * ray.flux[c];
+    BallBeside wide;
+    if (beside) {
+        // Its rim is blurred, and nobody knows its place exactly.
+        wide = *beside;
+        wide.radius *= 1.05;
     }
-    return sum;
+    for_ball(mirror, [&](int x, int y, const Shown& shown) {
+        if (beside && wide.hides(shown.normal, shown.direction))
+            rays.add_unknown(shown.direction, shown.steradians);
+        else
+            rays.add(shown.direction, mirror.pixels->pixel(x, y), shown.steradians);
+    });
+    rays.fill();
+    return rays;
 }
 
 /// Clipped pixels that touch each other, as regions.
@@ -130,11 +70,11 @@ std::vector<ClippedRegion> connected(const BallPicture& mirror, std::vector<char
     const int width = mirror.pixels->width(), height = mirror.pixels->height();
     std::vector<double> steradians(clipped.size());
     std::vector<V3d> direction(clipped.size());
-    for_ball(mirror, [&](int x, int y, V3d d, double omega) {
+    for_ball(mirror, [&](int x, int y, const Shown& shown) {
         const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                         static_cast<std::size_t>(x);
-        steradians[at] = omega;
-        direction[at] = d;
+        steradians[at] = shown.steradians;
+        direction[at] = shown.direction;
     });
     std::vector<ClippedRegion> regions;
     for (std::size_t start = 0; start < clipped.size(); ++start) {
@@ -165,6 +105,22 @@ std::vector<ClippedRegion> connected(const BallPicture& mirror, std::vector<char
     return regions;
 }
 
+/// Radiance 1 from all of its pixels, not from its middle alone.
+Rays rays_of(const BallPicture& mirror, const ClippedRegion& region) {
+    const auto width = static_cast<std::size_t>(mirror.pixels->width());
+    const Affine back = mirror.to_pixels.inverse();
+    const double area = std::abs(back.determinant());
+    Rays rays;
+    const float one[] = {1, 1, 1};
+    for (const std::size_t at : region.pixels) {
+        const V2d position = back(Vec2<double>(static_cast<double>(at % width) + 0.5,
+                                               static_cast<double>(at / width) + 0.5));
+        if (const auto d = mirror.ball.to_direction(position))
+            rays.add(V3d(*d).normalized(), one, mirror.ball.solid_angle(position) * area);
+    }
+    return rays;
+}
+
 void absorb(ClippedRegion& into, const ClippedRegion& other) {
     into.direction =
         (into.direction * into.steradians + other.direction * other.steradians).normalized();
@@ -192,49 +148,6 @@ std::vector<ClippedRegion> told_apart(std::vector<ClippedRegion> regions) {
     return kept;
 }
 
-/// The mirror ball as the grey one has it beside itself, in its own radii from its own middle.
-struct Neighbour {
-    V3d centre;
-    double radius = 0;
-
-    /// The part of what lights a place of the grey ball, by cosine, that the mirror ball hides.
-    double share(V3d normal) const {
-        const V3d to = centre - normal;
-        const double distance = to.length();
-        if (distance <= radius) return 1;
-        const V3d axis = to / distance;
-        const double sine = radius / distance, cosine = std::sqrt(1 - sine * sine);
-        if (normal.dot(axis) <= -sine) return 0;
-        if (normal.dot(axis) >= sine) return normal.dot(axis) * sine * sine;  // all above horizon
-        const V3d side = axis.cross(std::abs(axis.x) < 0.6 ? V3d(1, 0, 0) : V3d(0, 1, 0));
-        const V3d e1 = side.normalized(), e2 = axis.cross(e1);
-        constexpr int kRings = 6, kAround = 12;
-        double sum = 0;
-        for (int ring = 0; ring < kRings; ++ring)
-            for (int i = 0; i < kAround; ++i) {  // of equal solid angles
-                const double c = 1 - (1 - cosine) * (ring + 0.5) / kRings;
-                const double s = std::sqrt(1 - c * c), turn = 2 * pi * (i + 0.5) / kAround;
-                const V3d d = axis * c + e1 * (s * std::cos(turn)) + e2 * (s * std::sin(turn));
-                sum += std::max(0.0, d.dot(normal));
-            }
-        return sum / (kRings * kAround) * 2 * (1 - cosine);
-    }
-};
-
-/// Nobody tells how large both balls are; they are taken to stand equally far from the camera, as
-/// such balls are put beside each other.
-Neighbour neighbour_of(const MirrorBall& mirror, const MirrorBall& grey) {
-    if (mirror.orthographic() || grey.orthographic()) {
-        const Outline &m = mirror.outline(), &g = grey.outline();
-        const double radius = std::sqrt(g.a * g.b);
-        return {V3d((m.cx - g.cx) / radius, (g.cy - m.cy) / radius, 0),
-                std::sqrt(m.a * m.b) / radius};
-    }
-    const V3d here = grey.axis() * grey.distance();
-    const double radius = here.dot(mirror.axis()) / mirror.distance();
-    return {mirror.axis() * (mirror.distance() * radius) - here, radius};
-}
-
 /// A part of the grey ball: its normal and what it shows.
 struct Facet {
     V3d normal;
@@ -242,9 +155,20 @@ struct Facet {
     int pixels = 0;
 };
 
+/// The part of an even light that the mirror ball hides from a place on the grey one.
+double hidden_part(V3d normal, const BallBeside& mirror, const std::vector<V3d>& directions) {
+    double hidden = 0, all = 0;
+    for (const V3d& d : directions) {
+        const double cosine = std::max(0.0, normal.dot(d));
+        all += cosine;
+        if (cosine > 0 && mirror.hides(normal, d)) hidden += cosine;
+    }
+    return hidden / all;
+}
+
 /// Means over small squares of the grey ball's inside.
 std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& usable,
-                             const Neighbour& neighbour) {
+                             const BallBeside& mirror) {
     constexpr int kAcross = 40;  // squares over the ball's width
     const Outline& e = grey.ball.outline();
     const double radius = std::sqrt(e.a * e.b * std::abs(grey.to_pixels.determinant()));
@@ -252,36 +176,61 @@ std::vector<Facet> facets_of(const BallPicture& grey, const std::vector<char>& u
     const int columns = grey.pixels->width() / side + 1;
     std::vector<Facet> cells(static_cast<std::size_t>(columns) *
                              static_cast<std::size_t>(grey.pixels->height() / side + 1));
-    const Affine back = grey.to_pixels.inverse();
-    for_ball(grey, [&](int x, int y, V3d d, double) {
+    for_ball(grey, [&](int x, int y, const Shown& shown) {
         const auto at =
             static_cast<std::size_t>(y) * static_cast<std::size_t>(grey.pixels->width()) +
             static_cast<std::size_t>(x);
         if (!usable[at]) return;
-        const V3d view = grey.ball.ray(back(Vec2<double>(x + 0.5, y + 0.5)));
-        const V3d normal = (d - view).normalized();  // d = view - 2 (view.n) n
         // Away from the rim, where lens blur mixes in what is behind, and paint is no diffuser.
         constexpr double kGrazing = 0.35;
-        if (-normal.dot(view) < kGrazing) return;
+        if (-shown.normal.dot(shown.view) < kGrazing) return;
         Facet& cell = cells[static_cast<std::size_t>(y / side) * static_cast<std::size_t>(columns) +
                             static_cast<std::size_t>(x / side)];
-        cell.normal += normal;
+        cell.normal += shown.normal;
         ++cell.pixels;
         for (std::size_t c = 0; c < 3; ++c)
             cell.shown[c] += static_cast<double>(grey.pixels->pixel(x, y)[c]);
     });
+    const auto directions = fibonacci_directions(1000);
     std::vector<Facet> facets;
     for (Facet cell : cells) {
         if (cell.pixels < std::max(1, side * side / 8)) continue;
         cell.normal.normalize();
-        // What the mirror ball hides from there and what it throws there in its place is a guess;
-        // facing it that would be a third of the light.
+        // What the mirror ball throws there in place of what it hides (lamps drawn out, itself) is
+        // not known well; facing it that would be a third of the light.
         constexpr double kMost = 0.05;
-        if (neighbour.share(cell.normal) > kMost) continue;
+        if (hidden_part(cell.normal, mirror, directions) > kMost) continue;
         for (double& v : cell.shown) v /= cell.pixels;
         facets.push_back(cell);
     }
     return facets;
+}
+
+/// Irradiance of a place on the grey ball by rays before which the mirror ball does not stand.
+Rgb direct_light(V3d normal, const BallBeside& mirror, const std::vector<Ray>& rays) {
+    Rgb sum{};
+    for (const Ray& ray : rays) {
+        const double cosine = normal.dot(ray.direction);
+        if (cosine <= 0 || mirror.hides(normal, ray.direction)) continue;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += cosine * ray.flux[c];
+    }
+    return sum;
+}
+
+/// What the mirror ball, if it reflects all, throws there. sky: radiance from far away; rays: its
+/// directions all around.
+Rgb thrown_light(V3d normal, const BallBeside& mirror, const std::vector<Ray>& rays,
+                 const Rays& sky) {
+    Rgb sum{};
+    for (const Ray& ray : rays) {
+        const double cosine = normal.dot(ray.direction);
+        if (cosine <= 0) continue;
+        const auto place = mirror.met(normal, ray.direction);
+        if (!place) continue;
+        const Rgb radiance = sky.radiance(mirror.reflected(*place, ray.direction));
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += cosine * ray.steradians * radiance[c];
+    }
+    return sum;
 }
 
 using Matrix = Eigen::MatrixXd;
@@ -382,11 +331,21 @@ double misfit_of(const Channels& channels, const Solution& x) {
     return sum;
 }
 
+/// Which part of the grey ball's light a region explains, of the channel of which most.
+double part_of(const Channels& channels, const Solution& x, Eigen::Index region) {
+    double most = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+        most = std::max(
+            most, channels[c].columns.col(region).mean() * x[c][region] / channels[c].shown.mean());
+    return most;
+}
+
 /// The fewest regions that explain the grey ball, the same of all channels: one more as long as
 /// that explains clearly more. With all of them free, regions that hardly light the side which the
-/// camera sees would take any amount of light to mend what stands, noise and paint do there.
+/// camera sees would take any amount of light to mend what stands, noise and paint do there: of
+/// these each explains a thousandth of the ball's light, by thousands of times its own brightness.
 Solution fewest_regions(const Channels& channels, Eigen::Index regions) {
-    constexpr double kClearly = 0.95;
+    constexpr double kClearly = 0.95, kLeastPart = 0.01;
     Columns used;
     for (Eigen::Index i = regions; i < channels[0].columns.cols(); ++i) used.push_back(i);
     Solution best = solution_of(channels, used);
@@ -400,7 +359,8 @@ Solution fewest_regions(const Channels& channels, Eigen::Index regions) {
             used.push_back(i);
             const Solution one = solution_of(channels, used);
             used.pop_back();
-            if (const double its = misfit_of(channels, one); its < least) {
+            const double its = misfit_of(channels, one);
+            if (its < least && part_of(channels, one, i) > kLeastPart) {
                 least = its;
                 next = i;
                 best = one;
@@ -414,6 +374,64 @@ Solution fewest_regions(const Channels& channels, Eigen::Index regions) {
     return best;
 }
 
+/// Irradiance of the grey ball's facets.
+struct Lighting {
+    std::vector<Rgb> sky;     ///< a facet: by what the mirror ball shows
+    std::vector<Rgb> thrown;  ///< a facet: by all that a perfect mirror throws there
+    std::vector<std::vector<Rgb>> by_region;  ///< a region, a facet: by radiance 1
+};
+
+Lighting lighting_of(const BallPicture& mirror, const BallPicture& grey,
+                     const std::vector<Facet>& facets, const std::vector<ClippedRegion>& regions) {
+    const BallBeside mirror_beside = ball_beside(grey.ball, mirror.ball);
+    const BallBeside grey_beside = ball_beside(mirror.ball, grey.ball);
+    const Rays sky = rays_of(mirror, &grey_beside);
+    const std::vector<Ray> rays = sky.take();
+    Lighting lighting;
+    for (const Facet& facet : facets) {
+        lighting.sky.push_back(direct_light(facet.normal, mirror_beside, rays));
+        lighting.thrown.push_back(thrown_light(facet.normal, mirror_beside, rays, sky));
+    }
+    for (const ClippedRegion& region : regions) {
+        const std::vector<Ray> part = rays_of(mirror, region).take();
+        std::vector<Rgb> light;
+        for (const Facet& facet : facets)
+            light.push_back(direct_light(facet.normal, mirror_beside, part));
+        lighting.by_region.push_back(std::move(light));
+    }
+    return lighting;
+}
+
+/// What each channel of the facets says: columns are the regions, then what the mirror ball throws
+/// on them (in parts that nobody knows: its reflectance, and what stands between), then, if it is
+/// to be found, the ball's reflectance.
+Channels equations(const std::vector<Facet>& facets, const Lighting& lighting,
+                   const GreyBallOptions& options) {
+    const auto rows = static_cast<Eigen::Index>(facets.size());
+    const auto regions = static_cast<Eigen::Index>(lighting.by_region.size());
+    Channels channels;
+    for (std::size_t c = 0; c < 3; ++c) {
+        Channel& channel = channels[c];
+        channel.columns = Matrix(rows, regions + (options.solve_reflectance ? 2 : 1));
+        channel.known = Vector::Zero(rows);
+        channel.shown = Vector(rows);
+        const double unit = options.reflectance[c] / pi;
+        for (Eigen::Index i = 0; i < rows; ++i) {
+            const auto facet = static_cast<std::size_t>(i);
+            channel.shown[i] = facets[facet].shown[c];
+            for (Eigen::Index r = 0; r < regions; ++r)
+                channel.columns(i, r) =
+                    unit * lighting.by_region[static_cast<std::size_t>(r)][facet][c];
+            channel.columns(i, regions) = unit * lighting.thrown[facet][c];
+            if (options.solve_reflectance)
+                channel.columns(i, regions + 1) = unit * lighting.sky[facet][c];
+            else
+                channel.known[i] = unit * lighting.sky[facet][c];
+        }
+    }
+    return channels;
+}
+
 double rms(const Vector& v) { return std::sqrt(v.squaredNorm() / static_cast<double>(v.size())); }
 
 }  // namespace
@@ -425,71 +443,30 @@ GreyBallFit solve_missing_light(const BallPicture& mirror, const std::vector<cha
     assert(usable.size() == grey.pixels->size().pixels());
     GreyBallFit fit;
     fit.regions = told_apart(connected(mirror, clipped));
-    const std::vector<Facet> facets = facets_of(grey, usable, neighbour_of(mirror.ball, grey.ball));
+    const std::vector<Facet> facets = facets_of(grey, usable, ball_beside(grey.ball, mirror.ball));
     fit.pixels = 0;
     for (const Facet& facet : facets) fit.pixels += static_cast<std::size_t>(facet.pixels);
     fit.reflectance = options.reflectance;
     if (facets.size() < 8) return fit;  // nothing to hold it against
 
-    const std::vector<Ray> rays = rays_of(mirror);
-    std::vector<Rgb> lit;
-    for (const Facet& facet : facets) lit.push_back(irradiance_of(rays, facet.normal));
-    // Irradiance of a facet by a region of radiance 1: its pixels, not its middle alone.
-    const int width = mirror.pixels->width();
-    const Affine back = mirror.to_pixels.inverse();
-    const double area = std::abs(back.determinant());
-    std::vector<std::vector<Ray>> parts;
-    for (const ClippedRegion& region : fit.regions) {
-        Rays some;
-        const float one[] = {1, 1, 1};
-        for (const std::size_t at : region.pixels) {
-            const V2d position =
-                back(Vec2<double>(static_cast<double>(at % static_cast<std::size_t>(width)) + 0.5,
-                                  static_cast<double>(at / static_cast<std::size_t>(width)) + 0.5));
-            if (const auto d = mirror.ball.to_direction(position))
-                some.add(V3d(*d).normalized(), one, mirror.ball.solid_angle(position) * area);
-        }
-        parts.push_back(some.take());
-    }
-
-    const auto rows = static_cast<Eigen::Index>(facets.size());
+    const Lighting lighting = lighting_of(mirror, grey, facets, fit.regions);
+    const Channels channels = equations(facets, lighting, options);
     const auto regions = static_cast<Eigen::Index>(fit.regions.size());
-    const Eigen::Index unknowns = regions + (options.solve_reflectance ? 1 : 0);
-    Channels channels;
-    for (std::size_t c = 0; c < 3; ++c) {
-        Channel& channel = channels[c];
-        channel.columns = Matrix(rows, unknowns);
-        channel.known = Vector::Zero(rows);
-        channel.shown = Vector(rows);
-        const double unit = options.reflectance[c] / pi;
-        for (Eigen::Index i = 0; i < rows; ++i) {
-            const Facet& facet = facets[static_cast<std::size_t>(i)];
-            const double base = unit * lit[static_cast<std::size_t>(i)][c];
-            channel.shown[i] = facet.shown[c];
-            if (options.solve_reflectance)
-                channel.columns(i, regions) = base;
-            else
-                channel.known[i] = base;
-            for (Eigen::Index r = 0; r < regions; ++r)
-                channel.columns(i, r) =
-                    unit * irradiance_of(parts[static_cast<std::size_t>(r)], facet.normal)[c];
-        }
-    }
     const Solution solution = fewest_regions(channels, regions);
     double squares = 0, before = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         const Channel& channel = channels[c];
         const Vector& x = solution[c];
-        Vector bare = channel.known;
         double share = 1;
         if (options.solve_reflectance) {
-            share = std::max(1e-9, x[regions]);
-            bare = channel.columns.col(regions) * share;
+            share = std::max(1e-9, x[regions + 1]);
             fit.reflectance[c] *= share;
         }
+        Vector none = x;
+        none.head(regions).setZero();
         const double mean = channel.shown.mean();
         squares += std::pow(rms(channel.explained(x) - channel.shown) / mean, 2);
-        before += std::pow(rms(bare - channel.shown) / mean, 2);
+        before += std::pow(rms(channel.explained(none) - channel.shown) / mean, 2);
         for (Eigen::Index r = 0; r < regions; ++r) {
             ClippedRegion& region = fit.regions[static_cast<std::size_t>(r)];
             region.missing[c] = x[r] / share;
@@ -513,7 +490,7 @@ void add_missing_light(Image& pixels, const GreyBallFit& fit) {
 }
 
 std::array<double, 3> irradiance_from(const BallPicture& mirror, V3d normal) {
-    return irradiance_of(rays_of(mirror), normal.normalized());
+    return irradiance_of(rays_of(mirror, nullptr).take(), normal.normalized());
 }
 
 }  // namespace chromeball

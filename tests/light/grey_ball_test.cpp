@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 
+#include "light/view.h"
 #include "support/balls.h"
 #include "support/directions.h"
 
@@ -27,63 +30,85 @@ Rgb sunny(V3d d) {
     return {0.4 + 0.3 * d.y, 0.5 + 0.3 * d.y, 0.6 + 0.2 * d.y};
 }
 
-/// Both balls under a sky, seen from far away. The grey one is lit by 24000 directions.
+/// Both balls of one size under a sky, seen from far away, each hiding a part of it from the other.
+/// The grey one is lit by 24000 directions.
 struct Scene {
     Image photo{kSize, 3};
     std::vector<char> clipped, usable;
     MirrorBall mirror{kMirror}, grey{kGrey};
 
-    /// beside: the mirror ball hides a part of the sky from the grey one; what it throws there does
-    /// not arrive (something stands in between).
-    Scene(const Sky& sky, Rgb albedo, float clip, bool beside = false) {
-        std::vector<V3d> directions;
-        std::vector<Rgb> light;
-        constexpr int kCount = 24000;
-        for (int i = 0; i < kCount; ++i) {  // a spiral of equal areas
-            const double z = 1 - 2 * (i + 0.5) / kCount, around = i * pi * (3 - std::sqrt(5.0));
-            const double s = std::sqrt(1 - z * z);
-            directions.emplace_back(s * std::cos(around), s * std::sin(around), z);
-            light.push_back(sky(directions.back()));
-        }
+    /// thrown: the part of the mirrored light that arrives at the grey ball, 0 where something
+    /// stands in between
+    Scene(Sky sky_, Rgb albedo_, float clip, double thrown_ = 0)
+        : sky(std::move(sky_)), albedo(albedo_), thrown(thrown_) {
+        directions = fibonacci_directions(24000);
+        for (const V3d& d : directions) light.push_back(sky(d));
+        for (const V3d& n : normals) shades.push_back(shade(n));
         for (int y = 0; y < kSize.height; ++y)
             for (int x = 0; x < kSize.width; ++x) {
                 const V2d at(x + 0.5, y + 0.5);
                 float* p = photo.pixel(x, y);
                 bool clips = false;
                 if (const auto d = mirror.to_direction(at)) {
-                    const Rgb seen = sky(V3d(*d).normalized());
+                    const Rgb seen = mirrored(V3d(*d).normalized());
                     for (std::size_t c = 0; c < 3; ++c) {
                         clips = clips || seen[c] >= static_cast<double>(clip);
                         p[c] = std::min(clip, static_cast<float>(seen[c]));
                     }
                 } else if (const auto r = grey.to_direction(at); r && (x + y) % 4 == 0) {
-                    shade(V3d(*r).normalized(), albedo, directions, light, beside, p);
+                    const Rgb seen = shade((V3d(*r) + V3d(0, 0, 1)).normalized());
+                    for (std::size_t c = 0; c < 3; ++c) p[c] = static_cast<float>(seen[c]);
                 }
                 clipped.push_back(clips);
                 usable.push_back((x + y) % 4 == 0);  // a quarter of them, to save time
             }
     }
-    static void shade(V3d r, Rgb albedo, const std::vector<V3d>& directions,
-                      const std::vector<Rgb>& light, bool beside, float* p) {
-        const V3d n = (r + V3d(0, 0, 1)).normalized();
-        const V3d to = V3d((kMirror.cx - kGrey.cx) / kGrey.a, 0, 0) - n;  // balls of one size
-        const V3d axis = to.normalized();
-        const double hidden = std::sqrt(1 - 1 / to.dot(to));
+    /// Where, seen from a place on one unit ball, a ray meets the other one.
+    static std::optional<V3d> met(V3d place, V3d d, V3d other) {
+        const double along = (other - place).dot(d), away = (other - place).dot(other - place);
+        if (along <= 0 || away - along * along >= 1) return std::nullopt;
+        return place + d * (along - std::sqrt(1 - away + along * along));
+    }
+    /// What the grey ball shows with that normal.
+    Rgb shade(V3d n) const {
+        const V3d other((kMirror.cx - kGrey.cx) / kGrey.a, 0, 0);
         Rgb sum{};
-        for (std::size_t i = 0; i < directions.size(); ++i)
-            if (const double cosine = n.dot(directions[i]);
-                cosine > 0 && !(beside && directions[i].dot(axis) > hidden))
-                for (std::size_t c = 0; c < 3; ++c) sum[c] += cosine * light[i][c];
-        const double each = 4 * pi / static_cast<double>(directions.size());
+        for (std::size_t i = 0; i < directions.size(); ++i) {
+            const double cosine = n.dot(directions[i]);
+            if (cosine <= 0) continue;
+            Rgb from = light[i];
+            if (const auto place = met(n, directions[i], other)) {
+                const V3d m = *place - other;
+                from = sky(directions[i] - m * (2 * directions[i].dot(m)));
+                for (double& v : from) v *= thrown;
+            }
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += cosine * from[c];
+        }
         for (std::size_t c = 0; c < 3; ++c)
-            p[c] = static_cast<float>(albedo[c] / pi * sum[c] * each);
+            sum[c] *= albedo[c] * 4 / static_cast<double>(directions.size());
+        return sum;
+    }
+    /// What the mirror ball shows in a direction: the sky, or the grey ball.
+    Rgb mirrored(V3d d) const {
+        const V3d other((kGrey.cx - kMirror.cx) / kMirror.a, 0, 0);
+        const auto place = met((d + V3d(0, 0, 1)).normalized(), d, other);
+        if (!place) return sky(d);
+        const V3d n = *place - other;
+        const auto nearest = std::ranges::max_element(normals, {}, [&](V3d m) { return m.dot(n); });
+        return shades[static_cast<std::size_t>(nearest - normals.begin())];
     }
     BallPicture mirror_picture() const { return {&photo, mirror, {}}; }
     BallPicture grey_picture() const { return {&photo, grey, {}}; }
+
+    Sky sky;
+    Rgb albedo;
+    double thrown;
+    std::vector<V3d> directions, normals = fibonacci_directions(150);
+    std::vector<Rgb> light, shades;
 };
 
 TEST(IrradianceFrom, AnEvenSkyIsPiTimesItsRadiance) {
-    const Scene scene([](V3d) { return Rgb{1, 2, 3}; }, {0.18, 0.18, 0.18}, 10);
+    const Scene scene([](V3d) { return Rgb{1, 2, 3}; }, {1, 1, 1}, 10, 1);  // not to be seen in it
     for (const V3d& n : {V3d(0, 0, 1), V3d(0, 1, 0), V3d(1, 0, 0), V3d(0, 0, -1)}) {
         const Rgb light = irradiance_from(scene.mirror_picture(), n);
         for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light[c] / (pi * double(c + 1)), 1, 0.01);
@@ -164,11 +189,40 @@ TEST(GreyBall, WhatTheMirrorBallHidesFromItDoesNotLookLikeMissingLight) {
             return Rgb{1 + 0.3 * d.y, 1 + 0.3 * d.y, 1 + 0.2 * d.y};
         };
     };
-    const Scene scene(sky(8), {0.18, 0.18, 0.18}, 2, true);
+    const Scene scene(sky(8), {0.18, 0.18, 0.18}, 2);
     const GreyBallFit fit = solve_missing_light(scene.mirror_picture(), scene.clipped,
                                                 scene.grey_picture(), scene.usable);
     ASSERT_EQ(fit.regions.size(), 3U);
     EXPECT_LT(irradiance_error(scene, fit, sky(8)), 0.01);
+}
+
+TEST(GreyBall, WhatTheMirrorBallThrowsOnItIsNoMissingLight) {
+    const Scene scene(sunny, {0.18, 0.18, 0.18}, 2, 1);
+    const GreyBallFit fit = solve_missing_light(scene.mirror_picture(), scene.clipped,
+                                                scene.grey_picture(), scene.usable);
+    EXPECT_LT(irradiance_error(scene, fit, sunny), 0.02);
+}
+
+TEST(GreyBall, ASunThatItHalfHidesFromTheMirrorBallIsFoundWhole) {
+    // At the upper rim of the grey ball as the mirror ball shows it, which hides half of it.
+    const V3d other((kGrey.cx - kMirror.cx) / kMirror.a, 0, 0);
+    const V3d middle = V3d(0.93, 0, -0.36).normalized();
+    V3d rim = middle;
+    for (double up = 0; up < 1; up += 0.01) {
+        const V3d d = middle * std::cos(up) + V3d(0, std::sin(up), 0);
+        if (Scene::met((d + V3d(0, 0, 1)).normalized(), d, other)) rim = d;
+    }
+    const Sky sky = [&](V3d d) -> Rgb {
+        if (d.dot(rim) > std::cos(6 * pi / 180)) return {90, 90, 90};
+        return {1 + 0.3 * d.y, 1 + 0.3 * d.y, 1 + 0.3 * d.y};
+    };
+    const Scene scene(sky, {0.18, 0.18, 0.18}, 2);
+    const GreyBallFit fit = solve_missing_light(scene.mirror_picture(), scene.clipped,
+                                                scene.grey_picture(), scene.usable);
+    ASSERT_EQ(fit.regions.size(), 1U);
+    const double steradians = 2 * pi * (1 - std::cos(6 * pi / 180));
+    EXPECT_LT(fit.regions[0].steradians, 0.75 * steradians);
+    EXPECT_NEAR(fit.irradiance[1] / (88 * steradians), 1, 0.08);
 }
 
 TEST(GreyBall, RegionsBehindItDoNotMendWhatIsPaint) {
