@@ -506,47 +506,44 @@ std::vector<Alignment> align(std::span<const ExposedPhoto> photos, std::span<con
                      : fit(levels[index(neighbour)], levels[index(photo)], between, region_factor);
         },
         watch);
+    const auto by_whole_picture = [&](int photo, int neighbour) {
+        for (const int i : {photo, neighbour})
+            if (Pyramid& made = all_levels[index(i)]; made.levels.empty())
+                made = pyramid(raster_of(photos[index(i)], response, all, all_factor, channel));
+        watch.check();
+        return fit(all_levels[index(neighbour)], all_levels[index(photo)], std::nullopt,
+                   all_factor);
+    };
     // Something hides the region in one of them, or its outline was seen where it is not: what lies
     // around can tell.
-    std::vector<int> doubtful;
-    for (int i = 0; i < count; ++i)
-        if (i != middle && (!fits[index(i)] || fits[index(i)]->likeness < kSurelyAlike))
-            doubtful.push_back(i);
-    for (const int i : doubtful)
-        for (const int j : {i, i < middle ? i + 1 : i - 1}) {
-            Pyramid& made = all_levels[index(order[index(j)])];
-            if (made.levels.empty())
-                made = pyramid(
-                    raster_of(photos[index(order[index(j)])], response, all, all_factor, channel));
-        }
-    for_each_band(
-        static_cast<int>(doubtful.size()), 1,
-        [&](int k, int) {
-            const int i = doubtful[index(k)];
-            const int photo = order[index(i)];
-            const int neighbour = order[index(i < middle ? i + 1 : i - 1)];
-            const auto around = fit(all_levels[index(neighbour)], all_levels[index(photo)],
-                                    std::nullopt, all_factor);
-            auto& best = fits[index(i)];
-            if (around && (!best || around->likeness > best->likeness)) best = around;
-        },
-        watch);
+    for (int i = 0; i < count; ++i) {
+        auto& best = fits[index(i)];
+        if (i == middle || (best && best->likeness >= kSurelyAlike)) continue;
+        const auto around =
+            by_whole_picture(order[index(i)], order[index(i < middle ? i + 1 : i - 1)]);
+        if (around && (!best || around->likeness > best->likeness)) best = around;
+    }
     std::vector<Alignment> found(photos.size());
     found[static_cast<std::size_t>(reference)].measured = true;
     const auto follow = [&](std::ptrdiff_t i, std::ptrdiff_t from) {
-        const auto photo = static_cast<std::size_t>(order[static_cast<std::size_t>(i)]);
-        const auto& neighbour =
-            found[static_cast<std::size_t>(order[static_cast<std::size_t>(from)])];
-        const auto& one = fits[static_cast<std::size_t>(i)];
+        const int photo = order[static_cast<std::size_t>(i)];
+        auto one = fits[static_cast<std::size_t>(i)];
+        // What shows something else cannot tell where the next one lies.
+        std::ptrdiff_t trusted = from;
+        while (found[index(order[static_cast<std::size_t>(trusted)])].unlike) trusted += from - i;
+        if (trusted != from)
+            one = by_whole_picture(photo, order[static_cast<std::size_t>(trusted)]);
+        const Alignment& neighbour = found[index(order[static_cast<std::size_t>(trusted)])];
         constexpr double kUnsure = 0.5;
-        if (one && one->deviation < kUnsure) {
-            found[photo] = {neighbour.shift + one->shift,
-                            std::hypot(neighbour.deviation, one->deviation), true};
-            if (one->likeness > kAlike) return;
-            found[photo] = {neighbour.shift, 0, false, true};
+        const bool compared = one && one->deviation < kUnsure;
+        if (compared && one->likeness > kAlike) {
+            found[index(photo)] = {neighbour.shift + one->shift,
+                                   std::hypot(neighbour.deviation, one->deviation), true};
+        } else if (compared) {
+            found[index(photo)] = {neighbour.shift, 0, false, true};
         } else {
-            const auto known = hint(static_cast<int>(photo));
-            found[photo] = {known.value_or(neighbour.shift), 0, known.has_value()};
+            const auto known = hint(photo);
+            found[index(photo)] = {known.value_or(neighbour.shift), 0, known.has_value()};
         }
     };
     for (std::ptrdiff_t i = middle - 1; i >= 0; --i) follow(i, i + 1);

@@ -130,6 +130,16 @@ TEST(Align, SaysOfAPhotoOfSomethingElseThatItIs) {
     }
 }
 
+TEST(Align, LaysPhotosOnTheOthersAcrossOneOfSomethingElse) {
+    const std::vector<Take> takes{{0.05, {2.2, 1.4}}, {0.15, {9, 9}}, {0.3, {0, 0}}};
+    auto photos = photos_of(textured, kSize, takes);
+    photos[1] = photo_of(passer_by, kSize, {0.15, {0, 0}}, 2);
+    const auto found = align(photos, std::vector<int>{0, 1, 2}, 2, Response::srgb());
+    EXPECT_TRUE(found[1].unlike);
+    EXPECT_TRUE(found[0].measured);
+    EXPECT_LT((found[0].shift - takes[0].shift).length(), 0.1);
+}
+
 TEST(Align, KnowsPhotosInNoiseForTheSame) {
     // The short exposure's texture is hardly more than its noise and steps.
     std::vector<Take> takes{{0.02, {2.2, 1.4}}, {0.15, {0, 0}}};
