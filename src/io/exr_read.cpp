@@ -6,6 +6,8 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfRgbaFile.h>
+#include <OpenEXR/ImfThreading.h>
+#include <OpenEXR/ImfTileDescription.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -190,22 +192,50 @@ std::size_t pixel_bytes(const Photo& photo) {
     return bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
 }
 
-void decode_channels(Imf::MultiPartInputFile& file, const PartChoice& choice, const Frame& frame,
-                     Photo& photo) {
-    Imf::InputPart part(file, choice.part);
+/// Decodes the rows of a photo, or of a band of it, into its pixels.
+void decode_rows(Imf::InputPart& part, const Selection& selection, const Frame& frame,
+                 Photo& photo) {
     const std::size_t value = bytes_per_value(photo.type);
     const Imf::PixelType type = photo.type == PixelType::f16 ? Imf::HALF : Imf::FLOAT;
     const int first = photo.window.y + frame.origin.y;
     const Size size = photo.window.size;
     Imf::FrameBuffer buffer;
-    for (std::size_t i = 0; i < choice.selection.names.size(); ++i)
-        buffer.insert(choice.selection.names[i],
+    for (std::size_t i = 0; i < selection.names.size(); ++i)
+        buffer.insert(selection.names[i],
                       Imf::Slice::Make(type, photo.pixels.data() + i * value,
                                        Imath::V2i(frame.data.min.x, first), size.width, size.height,
                                        pixel_bytes(photo),
                                        pixel_bytes(photo) * static_cast<std::size_t>(size.width)));
     part.setFrameBuffer(buffer);
     part.readPixels(first, first + size.height - 1);
+}
+
+/// Rows to decode at a time: enough for all threads, and whole chunks of all but DWAB files, whose
+/// last chunk the library keeps.
+int band_rows(const Imf::Header& header) {
+    const int rows = kBandRows * std::max(1, Imf::globalThreadCount());
+    if (!header.hasTileDescription()) return rows;
+    const auto tile = static_cast<int>(std::min<unsigned>(header.tileDescription().ySize, 1 << 16));
+    return std::max(1, rows / tile) * tile;
+}
+
+void decode_channels(Imf::MultiPartInputFile& file, const PartChoice& choice, const Frame& frame,
+                     const std::function<void(const Photo& band)>& bands, Photo& photo) {
+    Imf::InputPart part(file, choice.part);
+    if (!bands) {
+        decode_rows(part, choice.selection, frame, photo);
+        return;
+    }
+    const int together = band_rows(file.header(choice.part));
+    const int top = frame.data.min.y - frame.origin.y;
+    const int end = photo.window.y + photo.window.size.height;
+    for (int first = photo.window.y; first < end;) {
+        const int last = std::min(end, first + together - (first - top) % together);
+        Photo band = band_of(photo, first, last);
+        decode_rows(part, choice.selection, frame, band);
+        bands(band);
+        first = last;
+    }
 }
 
 /// OpenEXR's own reconstruction of luminance and chroma, which reads the first part only.
@@ -246,7 +276,7 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     const Imf::Header& header = file.header(choice.part);
     const bool zip = chunks && !choice.selection.luminance_chroma &&
                      can_decode_zip(header, choice.selection.names, photo.type);
-    if (!zip || !request.bands)
+    if (!request.bands || choice.selection.luminance_chroma)
         photo.pixels.resize(photo.window.size.pixels() * pixel_bytes(photo));
     if (zip) {
         decode_zip(header, *chunks, choice.selection.names, first + frame.origin.y, request.bands,
@@ -258,7 +288,7 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     if (choice.selection.luminance_chroma)
         decode_luminance_chroma(path, frame, photo);
     else
-        decode_channels(file, choice, frame, photo);
+        decode_channels(file, choice, frame, request.bands, photo);
     return photo;
 }
 

@@ -141,6 +141,28 @@ TEST_F(Exr, RowsOfTheDisplayWindowComeAloneFromScanlinesAndTiles) {
             }
 }
 
+TEST_F(Exr, BandsOfScanlinesAndTilesAreTheWhole) {
+    for (const bool tiled : {false, true})
+        for (const auto order : {Imf::INCREASING_Y, Imf::DECREASING_Y}) {
+            write(file, {.data = {{-1, -3}, {10, 196}},
+                         .display = {{0, 0}, {7, 190}},
+                         .compression = Imf::PIZ_COMPRESSION,
+                         .order = order,
+                         .tiled = tiled});
+            const std::pair rows{5, 180};
+            int next = rows.first, bands = 0;
+            read_photo(file, {.rows = rows, .bands = [&](const Photo& band) {
+                                  ASSERT_EQ(band.window.y, next);
+                                  for (int y = 0; y < band.window.size.height; ++y, ++next)
+                                      for (int x = 0; x < 12; ++x)
+                                          ASSERT_EQ(value_at(band, x, y, 2), mark(2, x, next + 3));
+                                  ++bands;
+                              }});
+            EXPECT_EQ(next, rows.second);
+            EXPECT_GT(bands, 2);
+        }
+}
+
 TEST_F(Exr, RowsOutsideGiveNone) {
     write(file, {});
     const Photo photo = read_photo(file, {.rows = std::pair{100, 120}});
