@@ -1,11 +1,11 @@
 #include "detect/grey.h"
 
-#include <Imath/half.h>
-
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 namespace chromeball::detecting {
@@ -14,15 +14,8 @@ namespace {
 constexpr int kCodes = 65536;
 constexpr int kSmallestLevel = 40;
 
-/// Red, green, blue weights close to luminance; a mirror ball has little colour of its own.
-template <class T>
-double mixed(const T* pixel, int channels) {
-    if (channels < 3) return static_cast<double>(pixel[0]);
-    return 0.3 * static_cast<double>(pixel[0]) + 0.5 * static_cast<double>(pixel[1]) +
-           0.2 * static_cast<double>(pixel[2]);
-}
-
-/// The same mix in whole numbers: this loop sees every pixel of a large photo.
+/// Red, green, blue in parts close to luminance, in whole numbers; a mirror ball has little colour
+/// of its own. This loop sees every pixel of a large photo.
 template <class T>
 void mix_integers(const Photo& photo, Raster<std::uint16_t>& out) {
     const auto* in = reinterpret_cast<const T*>(photo.pixels.data());
@@ -41,25 +34,54 @@ void mix_integers(const Photo& photo, Raster<std::uint16_t>& out) {
     }
 }
 
-float to_float(float value) { return value; }
-float to_float(Imath::half value) { return static_cast<float>(value); }
+std::uint32_t all_bits_if(bool condition) { return 0u - static_cast<std::uint32_t>(condition); }
 
-template <class T>
-std::vector<float> mix_floats(const Photo& photo, std::size_t count) {
-    const auto* in = reinterpret_cast<const T*>(photo.pixels.data());
-    const auto channels = static_cast<std::size_t>(photo.channels);
-    std::vector<float> out(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        std::array<float, 3> rgb{};
-        for (std::size_t c = 0; c < std::min<std::size_t>(channels, 3); ++c)
-            rgb[c] = to_float(in[i * channels + c]);
-        const double value = mixed(rgb.data(), photo.channels);
-        // Negative values come from colour-space changes; for finding edges they are black.
-        out[i] = std::isnan(value) ? 0.f
-                                   : static_cast<float>(std::clamp(
-                                         value, 0.0, double{std::numeric_limits<float>::max()}));
+/// A half from its bits; infinity becomes 65536. Without branches, for compilers to make vectors
+/// of.
+float from_half(std::uint16_t half) {
+    const std::uint32_t magnitude = half & 0x7fffu, sign = (half & 0x8000u) << 16;
+    const std::uint32_t rebased = (magnitude << 13) + (112u << 23);
+    // Below 2^-14 there is no implied leading one: put one there and take it away again.
+    const auto small =
+        std::bit_cast<std::uint32_t>(std::bit_cast<float>(rebased + (1u << 23)) - 0x1p-14f);
+    const std::uint32_t is_small = all_bits_if(magnitude < 0x400);
+    const std::uint32_t not_a_number = all_bits_if(magnitude > 0x7c00) & 0x7fc00000u;
+    return std::bit_cast<float>((small & is_small) | (rebased & ~is_small) | sign | not_a_number);
+}
+
+/// Negative values come from colour-space changes; for finding edges they are black, as NaN is.
+float as_light(float value) {
+    return value > 0 ? std::min(value, std::numeric_limits<float>::max()) : 0.f;
+}
+
+constexpr std::size_t kAtOnce = 1024;  // pixels
+
+/// Light of at most kAtOnce pixels.
+void mix_floats(const float* in, int channels, std::size_t count, float* out) {
+    const auto step = static_cast<std::size_t>(channels);
+    if (channels < 3) {
+        for (std::size_t i = 0; i < count; ++i) out[i] = as_light(in[i * step]);
+        return;
     }
-    return out;
+    const auto mixed = [](const float* p) {
+        return as_light(0.3f * p[0] + 0.5f * p[1] + 0.2f * p[2]);
+    };
+    if (channels == 3)
+        for (std::size_t i = 0; i < count; ++i) out[i] = mixed(in + i * 3);
+    else
+        for (std::size_t i = 0; i < count; ++i) out[i] = mixed(in + i * step);
+}
+
+void mix_floats(const std::uint16_t* in, int channels, std::size_t count, float* out) {
+    std::array<float, 4 * kAtOnce> values;
+    const std::size_t most = values.size() / static_cast<std::size_t>(channels);
+    for (std::size_t done = 0; done < count; done += most) {
+        const std::size_t pixels = std::min(most, count - done);
+        const std::size_t first = done * static_cast<std::size_t>(channels);
+        for (std::size_t i = 0; i < pixels * static_cast<std::size_t>(channels); ++i)
+            values[i] = from_half(in[first + i]);
+        mix_floats(values.data(), channels, pixels, out + done);
+    }
 }
 
 float quantile(std::vector<float>& values, double part) {
@@ -69,21 +91,49 @@ float quantile(std::vector<float>& values, double part) {
     return values[static_cast<std::size_t>(at)];
 }
 
+/// Natural logarithm of a finite value >= 1, to 1e-7: the same bits on any processor, and in steps
+/// that compilers turn into vectors.
+float logarithm(float value) {
+    // value = m 2^e with m from sqrt(1/2) to sqrt(2); log m = 2 atanh s, as its series.
+    constexpr std::uint32_t kRootOfHalf = 0x3f3504f3;
+    const std::uint32_t bits = std::bit_cast<std::uint32_t>(value) - kRootOfHalf;
+    const auto e = static_cast<float>(static_cast<std::int32_t>(bits) >> 23);
+    const float m = std::bit_cast<float>((bits & 0x7fffffu) + kRootOfHalf);
+    const float s = (m - 1) / (m + 1), q = s * s;
+    return e * std::numbers::ln2_v<float> + 2 * s * (1 + q * (1 / 3.f + q * (1 / 5.f + q / 7)));
+}
+
 /// log(1 + x / knee) up to a high percentile: linear in the dark, logarithmic above, so neither the
 /// sun nor the unit of the file matters.
-Grey compressed(const std::vector<float>& light, Size size) {
+template <class T>
+Grey compressed(const Photo& photo) {
+    const auto* in = reinterpret_cast<const T*>(photo.pixels.data());
+    const std::size_t count = photo.window.size.pixels();
+    const auto channels = static_cast<std::size_t>(photo.channels);
     std::vector<float> some;
-    const std::size_t step = std::max<std::size_t>(1, light.size() / 100000);
-    for (std::size_t i = 0; i < light.size(); i += step)
-        if (light[i] > 0) some.push_back(light[i]);
+    const std::size_t step = std::max<std::size_t>(1, count / 100000);
+    for (std::size_t i = 0; i < count; i += step) {
+        float light = 0;
+        mix_floats(in + i * channels, photo.channels, 1, &light);
+        if (light > 0) some.push_back(light);
+    }
     const double knee = std::max<double>(0.5 * quantile(some, 0.5), 1e-30);
     const double top = std::max<double>(quantile(some, 0.998), 2 * knee);
     const double gain = (kCodes - 1) / std::log1p(top / knee);
 
-    Grey grey{Raster<std::uint16_t>(size), std::vector<float>(kCodes)};
-    for (std::size_t i = 0; i < light.size(); ++i) {
-        const double code = gain * std::log1p(light[i] / knee);
-        grey.pixels.values[i] = static_cast<std::uint16_t>(std::min<double>(code, kCodes - 1));
+    Grey grey{Raster<std::uint16_t>(photo.window.size), std::vector<float>(kCodes)};
+    const auto per_knee = static_cast<float>(1 / knee), per_log = static_cast<float>(gain);
+    const auto most = static_cast<float>(std::min(top / knee, 1e38));
+    std::array<float, kAtOnce> light;
+    for (std::size_t first = 0; first < count; first += light.size()) {
+        const std::size_t some_more = std::min(light.size(), count - first);
+        mix_floats(in + first * channels, photo.channels, some_more, light.data());
+        std::uint16_t* codes = grey.pixels.values.data() + first;
+        for (std::size_t i = 0; i < some_more; ++i) {
+            const float code = per_log * logarithm(1 + std::min(light[i] * per_knee, most));
+            codes[i] = static_cast<std::uint16_t>(
+                static_cast<std::int32_t>(std::min(code, float{kCodes - 1})));
+        }
     }
     for (int i = 0; i < kCodes; ++i)
         grey.linear[static_cast<std::size_t>(i)] = static_cast<float>(std::expm1(i / gain));
@@ -140,9 +190,8 @@ Grey grey_of(const Photo& photo) {
             mix_integers<std::uint16_t>(photo, grey.pixels);
         return grey;
     }
-    const auto light = photo.type == PixelType::f16 ? mix_floats<Imath::half>(photo, size.pixels())
-                                                    : mix_floats<float>(photo, size.pixels());
-    return compressed(light, size);
+    return photo.type == PixelType::f16 ? compressed<std::uint16_t>(photo)
+                                        : compressed<float>(photo);
 }
 
 std::vector<Level> pyramid(const Raster<std::uint16_t>& picture, int longest) {
