@@ -40,12 +40,11 @@ PhotoJob solved_job(const Shot& shot, const SolveHead& head, const SolvedFrame& 
     const PhotoOptions options = shot.photo_options(frame.frame);
     if (options.cropped)
         return open_photo(shot.plates->file(frame.frame), options, {&stop_requested(), nullptr});
-    // The reader cuts the rows to those that there are.
+    // It is cut to what there is.
     constexpr Window kAnywhere{-(1 << 28), -(1 << 28), {1 << 29, 1 << 29}};
-    const Window needed = needed_window(*frame.outline, kAnywhere);
     PhotoJob job;
-    job.photo = shot.plates->read(
-        frame.frame, {options.max_pixels, std::pair(needed.y, needed.y + needed.size.height)});
+    job.photo = shot.plates->part(frame.frame, needed_window(*frame.outline, kAnywhere),
+                                  options.max_pixels);
     job.camera = choose_camera(options, job.photo);
     if (!job.camera.told && head.focal) {
         job.camera.camera.focal = head.focal;

@@ -11,6 +11,7 @@
 #include "io/input_file.h"
 #include "photo_job.h"
 #include "shot/records.h"
+#include "shot/track.h"
 
 namespace chromeball {
 namespace {
@@ -83,6 +84,19 @@ Photo Plates::read(int frame, const ReadOptions& options) const {
     Photo photo = read_photo(pattern_->path(frame), options);
     if (!photo.damage.empty()) throw Error(Error::Kind::failed, damage_warning(photo));
     return photo;
+}
+
+Photo Plates::part(int frame, const Window& window, std::int64_t max_pixels) const {
+    ReadOptions options{max_pixels, std::pair(window.y, window.y + window.size.height)};
+    Photo part = empty_part(header(frame, options), window);
+    const auto take = [&](const Photo& band) { copy_shared(band, part); };
+    if (pattern_) {
+        options.bands = take;
+        read_photo(pattern_->path(frame), options);
+    } else {
+        take(clip_->read(frame - 1));
+    }
+    return part;
 }
 
 }  // namespace chromeball

@@ -36,6 +36,8 @@ public:
     Photo header(int frame, const ReadOptions& options) const;
     /// Of a clip all rows are read whatever the options say.
     Photo read(int frame, const ReadOptions& options) const;
+    /// What a window shows, cut to what there is. Of a file little more than that is in memory.
+    Photo part(int frame, const Window& window, std::int64_t max_pixels) const;
 
 private:
     std::string typed_;

@@ -53,7 +53,8 @@ public:
 
     /// In the whole picture.
     std::optional<Sighting> whole() const {
-        const Photo photo = read(std::nullopt);
+        const Photo photo = shot_.plates->read(frame_, {options_.max_pixels, std::nullopt});
+        watch_.check();
         const auto balls = find_balls(photo, search_, watch_);
         if (balls.empty()) return std::nullopt;
         return sighting_of(balls.front(), balls.front().confidence >= options_.threshold);
@@ -84,12 +85,6 @@ private:
     /// Not much larger or smaller than a few frames before.
     static bool resembles(const Outline& outline, const Outline& key) {
         return outline.a > kLeast * key.a && outline.a < kMost * key.a;
-    }
-
-    Photo read(std::optional<std::pair<int, int>> rows) const {
-        Photo photo = shot_.plates->read(frame_, {options_.max_pixels, rows});
-        watch_.check();
-        return photo;
     }
 
     /// How the ball is looked for: in a window so many radii wider than it on all sides, all over
@@ -141,18 +136,14 @@ private:
     std::optional<Sighting> in_window(const Window& window, const Outline& around,
                                       bool followed) const {
         if (window.size.width < 16 || window.size.height < 16) return std::nullopt;
-        Photo rows = read(std::pair(window.y, window.y + window.size.height));
-        Window there = window;
-        there.y = std::max(window.y, rows.window.y);
-        there.size.height =
-            std::min(window.y + window.size.height, rows.window.y + rows.window.size.height) -
-            there.y;
+        const Photo part = shot_.plates->part(frame_, window, options_.max_pixels);
+        watch_.check();
         DetectOptions search = search_;
         search.near.reset();
         search.expected = true;
         if (followed) search.start = around;
         search.radius_range = {kLeast * around.a, kMost * around.a};
-        const auto balls = find_balls(part_of(std::move(rows), there), search, watch_);
+        const auto balls = find_balls(part, search, watch_);
         for (const Candidate& ball : balls)
             if (well_inside(ball.outline, window, picture_)) return sighting_of(ball, false);
         if (balls.empty()) return std::nullopt;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace chromeball {
 namespace {
@@ -14,6 +15,10 @@ struct Box {
 Box around(const Outline& outline, double further) {
     const double reach = outline.a + further;
     return {outline.cx - reach, outline.cy - reach, outline.cx + reach, outline.cy + reach};
+}
+
+std::size_t pixel_bytes(const Photo& photo) {
+    return bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
 }
 
 }  // namespace
@@ -51,20 +56,37 @@ bool well_inside(const Outline& outline, const Window& window, const Window& pic
            (bottom == picture.y + picture.size.height || box.bottom <= bottom);
 }
 
-Photo part_of(Photo photo, const Window& window) {
-    const std::size_t pixel =
-        bytes_per_value(photo.type) * static_cast<std::size_t>(photo.channels);
-    const std::size_t row = static_cast<std::size_t>(window.size.width) * pixel;
-    const std::size_t stored = static_cast<std::size_t>(photo.window.size.width) * pixel;
-    const auto first = static_cast<std::size_t>(window.y - photo.window.y) * stored +
-                       static_cast<std::size_t>(window.x - photo.window.x) * pixel;
-    // In place: rows only move towards the beginning.
-    std::byte* pixels = photo.pixels.data();
-    for (std::size_t y = 0; y < static_cast<std::size_t>(window.size.height); ++y)
-        std::memmove(pixels + y * row, pixels + first + y * stored, row);
-    photo.pixels.resize(row * static_cast<std::size_t>(window.size.height));
-    photo.window = window;
-    return photo;
+Window shared_window(const Window& one, const Window& other) {
+    const auto shared = [](int a, int a_length, int b, int b_length) {
+        const int first = std::max(a, b);
+        return std::pair{first, std::max(0, std::min(a + a_length, b + b_length) - first)};
+    };
+    const auto [x, width] = shared(one.x, one.size.width, other.x, other.size.width);
+    const auto [y, height] = shared(one.y, one.size.height, other.y, other.size.height);
+    return {x, y, {width, height}};
+}
+
+Photo empty_part(Photo description, const Window& window) {
+    Photo part = std::move(description);
+    part.window = shared_window(part.window, window);
+    part.pixels = PixelBytes(part.window.size.pixels() * pixel_bytes(part));
+    return part;
+}
+
+void copy_shared(const Photo& photo, Photo& part) {
+    const Window shared = shared_window(photo.window, part.window);
+    const std::size_t pixel = pixel_bytes(photo);
+    const auto at = [&](const Window& window, int y) {
+        const auto row = static_cast<std::size_t>(y - window.y);
+        return (row * static_cast<std::size_t>(window.size.width) +
+                static_cast<std::size_t>(shared.x - window.x)) *
+               pixel;
+    };
+    const std::size_t bytes = static_cast<std::size_t>(shared.size.width) * pixel;
+    if (bytes == 0) return;
+    for (int y = shared.y; y < shared.y + shared.size.height; ++y)
+        std::memcpy(part.pixels.data() + at(part.window, y),
+                    photo.pixels.data() + at(photo.window, y), bytes);
 }
 
 }  // namespace chromeball

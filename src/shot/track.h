@@ -60,7 +60,13 @@ Window search_window(const Outline& last, double margin, const Window& picture);
 /// window ends with the picture itself the ball may reach beyond.
 bool well_inside(const Outline& outline, const Window& window, const Window& picture);
 
-/// The part of a photo that a window shows, which must lie in photo.window. Cuts in place.
-Photo part_of(Photo photo, const Window& window);
+/// What two windows share; of size 0 where they share nothing.
+Window shared_window(const Window& one, const Window& other);
+
+/// A photo's description with pixels, still 0, for what its window and another one share.
+Photo empty_part(Photo description, const Window& window);
+
+/// Copies the pixels that a photo and a part of the same photo share into the part.
+void copy_shared(const Photo& photo, Photo& part);
 
 }  // namespace chromeball

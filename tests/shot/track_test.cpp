@@ -23,7 +23,8 @@ TEST(Track, NothingIsExpectedBetweenTheTwoSidesOfACut) {
     EXPECT_FALSE(outline_between(before, {700, 50, 40, 39, 20}, 0.5));
 }
 
-TEST(Track, APartOfAPhotoHasThePixelsOfItsWindow) {
+/// 16 bits, 3 channels, 8x6 pixels at 10, 20; every byte differs from those around it.
+Photo small_photo() {
     Photo photo;
     photo.type = PixelType::u16;
     photo.channels = 3;
@@ -31,10 +32,18 @@ TEST(Track, APartOfAPhotoHasThePixelsOfItsWindow) {
     photo.display = {100, 100};
     photo.pixels.resize(8 * 6 * 6);
     for (std::size_t i = 0; i < photo.pixels.size(); ++i) photo.pixels[i] = std::byte(i % 251);
+    return photo;
+}
+
+TEST(Track, APartOfAPhotoHasThePixelsOfItsWindow) {
+    const Photo photo = small_photo();
+    Photo description = photo;
+    description.pixels.clear();
     const Window windows[] = {
         {12, 21, {5, 3}}, {10, 20, {8, 6}}, {17, 25, {1, 1}}, {10, 22, {8, 4}}};
     for (const Window& window : windows) {
-        const Photo part = part_of(photo, window);
+        Photo part = empty_part(description, window);
+        copy_shared(photo, part);
         EXPECT_EQ(part.window, window);
         EXPECT_EQ(part.display, photo.display);
         ASSERT_EQ(part.pixels.size(), window.size.pixels() * 6);
@@ -45,6 +54,29 @@ TEST(Track, APartOfAPhotoHasThePixelsOfItsWindow) {
                           std::byte(from % 251));
             }
     }
+}
+
+TEST(Track, APartOfAPhotoIsPutTogetherFromBands) {
+    const Photo photo = small_photo();
+    Photo band = photo, part = empty_part(photo, {-50, 22, {64, 100}});
+    EXPECT_EQ(part.window, (Window{10, 22, {4, 4}}));
+    Photo whole = part;
+    copy_shared(photo, whole);
+    for (int y = 20; y < 26; y += 2) {
+        band.window = {10, y, {8, 2}};
+        band.pixels.assign(photo.pixels.begin() + (y - 20) * 48,
+                           photo.pixels.begin() + (y - 18) * 48);
+        copy_shared(band, part);
+    }
+    EXPECT_TRUE(part.pixels == whole.pixels);
+}
+
+TEST(Track, WindowsThatShareNothingGiveNoPixels) {
+    Photo part = empty_part(small_photo(), {30, 22, {5, 5}});
+    EXPECT_EQ(part.window.size.pixels(), 0u);
+    copy_shared(small_photo(), part);
+    EXPECT_TRUE(part.pixels.empty());
+    EXPECT_EQ(shared_window({0, 0, {5, 5}}, {3, 9, {5, 5}}).size.height, 0);
 }
 
 }  // namespace
