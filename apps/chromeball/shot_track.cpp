@@ -30,6 +30,7 @@ Sighting sighting_of(const Candidate& candidate, bool sure) {
     ball.confidence = candidate.confidence;
     ball.visible_rim = candidate.visible_rim;
     ball.lens_blur = lens_blur(candidate);
+    ball.motion = candidate.motion;
     ball.sure = sure;
     if (candidate.focal) ball.focal = FocalHint{candidate.focal->focal, candidate.focal->deviation};
     return ball;
@@ -38,7 +39,7 @@ Sighting sighting_of(const Candidate& candidate, bool sure) {
 /// Where a ball is expected, as key frames showed it.
 struct Expected {
     Outline outline;
-    bool between = false;  ///< on the way from one key frame to the next, not as it was in one
+    std::optional<V2d> motion;  ///< while the shutter is open; none: cannot be told
 };
 
 /// Looks for the ball of one frame.
@@ -64,8 +65,8 @@ public:
     /// Near it half the confidence is enough, for a ball is expected there.
     std::optional<Sighting> near(const Expected& expected) const {
         std::optional<Sighting> weak;
-        for (const Way& way : ways(expected.between)) {
-            auto ball = looked_for(expected.outline, way, weak);
+        for (const Way& way : kWays) {
+            auto ball = looked_for(expected, way, weak);
             if (ball) return ball;
         }
         const auto ball = whole();
@@ -94,29 +95,24 @@ private:
         bool followed;
     };
 
-    /// Between two key frames it is known but for the bend of its path.
-    static std::vector<Way> ways(bool between) {
-        std::vector<Way> all{{1.0, false}, {2.5, false}};
-        if (between) all.insert(all.begin(), Way{0.5, true});
-        return all;
-    }
+    static constexpr Way kWays[] = {{0.5, true}, {1.0, false}, {2.5, false}};
 
     /// Looks one way; where what is seen is cut off by the window, once more around that. Keeps the
     /// best that is not enough.
-    std::optional<Sighting> looked_for(const Outline& expected, const Way& way,
+    std::optional<Sighting> looked_for(const Expected& expected, const Way& way,
                                        std::optional<Sighting>& weak) const {
-        Outline around = expected;
+        Expected around = expected;
         Way now = way;
         for (int again = 0; again < 2; ++again) {
-            const Window window = search_window(around, now.margin, picture_);
+            const Window window = search_window(around.outline, now.margin, picture_);
             // Of so large a window the whole costs no more.
             if (!now.followed && window.size.pixels() * 2 > picture_.size.pixels())
                 return std::nullopt;
             const auto ball = in_window(window, around, now.followed);
             if (!ball) return std::nullopt;
-            const double off =
-                std::hypot(ball->outline.cx - expected.cx, ball->outline.cy - expected.cy) /
-                expected.a;
+            const double off = std::hypot(ball->outline.cx - expected.outline.cx,
+                                          ball->outline.cy - expected.outline.cy) /
+                               expected.outline.a;
             // What was followed far from where it must be was drawn away by something else.
             if (way.followed && off > 0.3) return std::nullopt;
             const bool enough = ball->confidence >= options_.threshold * (off > 0.5 ? 1.0 : 0.5);
@@ -126,14 +122,14 @@ private:
                 return std::nullopt;
             }
             if (!enough) return std::nullopt;
-            around = ball->outline;
+            around = {ball->outline, ball->motion};
             now = {0.5, true};
         }
         return std::nullopt;
     }
 
     /// The best that a window shows, even if the window cuts it off.
-    std::optional<Sighting> in_window(const Window& window, const Outline& around,
+    std::optional<Sighting> in_window(const Window& window, const Expected& around,
                                       bool followed) const {
         if (window.size.width < 16 || window.size.height < 16) return std::nullopt;
         const Photo part = shot_.plates->part(frame_, window, options_.max_pixels);
@@ -141,8 +137,11 @@ private:
         DetectOptions search = search_;
         search.near.reset();
         search.expected = true;
-        if (followed) search.start = around;
-        search.radius_range = {kLeast * around.a, kMost * around.a};
+        if (followed) {
+            search.start = around.outline;
+            search.motion = around.motion;
+        }
+        search.radius_range = {kLeast * around.outline.a, kMost * around.outline.a};
         const auto balls = find_balls(part, search, watch_);
         for (const Candidate& ball : balls)
             if (well_inside(ball.outline, window, picture_)) return sighting_of(ball, false);
@@ -237,8 +236,30 @@ public:
         });
     }
 
-    bool knows(int frame) const { return records_.contains(frame); }
+    bool knows(int frame) const {
+        const std::lock_guard hold(lock_);
+        return records_.contains(frame);
+    }
     bool there(int frame) const { return shot_.plates->has(frame); }
+
+    /// The key frames that are still to be searched before these frames are.
+    std::set<int> unknown_keys(const Frames& frames) const {
+        std::set<int> keys;
+        const auto add_unknown = [&](const std::vector<int>& some) {
+            if (!some.empty() && !knows(some.back())) keys.insert(some.back());
+        };
+        for (const int frame : frames) {
+            if (!there(frame)) continue;
+            const int key = key_frame(frame, [&](int n) { return there(n); });
+            add_unknown(keys_from(key, false));
+            add_unknown(keys_from(frame, true));
+            const auto before = nearest_sighting(key, false);
+            if (!before || nearest_sighting(frame, true)) continue;
+            if (const auto previous = key_after(before->first, false))
+                add_unknown(keys_from(*previous, false));
+        }
+        return keys;
+    }
 
     void search(const Frames& frames, const std::string& what) {
         const Progress progress = shot_.console.frames(what, frames.size());
@@ -254,25 +275,97 @@ private:
                                    key == frame ? std::nullopt : expected(frame, key));
     }
 
-    /// By the frame's own key frame and the next one: wherever the run ends and whatever it had.
+    /// By the frame's own key frame and the next one, or such further ones as show the ball surely:
+    /// wherever the run ends and whatever it had. Behind the last one as it moved before.
     std::optional<Expected> expected(int frame, int key) const {
-        const auto before = surely_at(key);
-        const auto next = next_key_frame(frame, [&](int n) { return there(n); });
-        const auto after = next ? surely_at(*next) : std::nullopt;
-        if (before && after)
-            if (const auto between =
-                    outline_between(*before, *after, double(frame - key) / (*next - key)))
-                return Expected{*between, true};
-        if (before) return Expected{*before, false};
+        const auto before = nearest_sighting(key, false);
+        if (!before) return std::nullopt;
+        const auto after = nearest_sighting(frame, true);
+        const auto other = after ? after : nearest_sighting_before(before->first);
+        const Expected held{before->second.outline, before->second.motion};
+        if (!other) return held;
+        const auto& [first, one] = other->first < before->first ? *other : *before;
+        const auto& [last, two] = other->first < before->first ? *before : *other;
+        const double part = double(frame - first) / (last - first);
+        const auto outline = outline_between(one.outline, two.outline, part);
+        if (!outline) return held;
+        return Expected{*outline, motion_between(one.motion, two.motion, std::min(part, 1.0))};
+    }
+
+    std::optional<int> key_after(int frame, bool forward) const {
+        const auto there = [&](int n) { return this->there(n); };
+        return forward ? next_key_frame(frame, there) : previous_key_frame(frame, there);
+    }
+
+    /// The key frames that may tell where the ball is, nearest first, up to one that does, or to
+    /// one that is not known yet and must be: backward from a key frame, forward from behind any
+    /// frame.
+    std::vector<int> keys_from(int frame, bool forward) const {
+        constexpr std::size_t kMostKeys = 3;
+        std::vector<int> keys;
+        std::optional<int> key = forward ? key_after(frame, true) : frame;
+        while (key && keys.size() < kMostKeys) {
+            keys.push_back(*key);
+            if (!knows(*key)) break;
+            if (const auto other = unknown_beside(*key)) {
+                keys.push_back(*other);
+                break;
+            }
+            if (telling_at(*key)) break;
+            key = key_after(*key, forward);
+        }
+        return keys;
+    }
+
+    std::optional<Sighting> weakly_at(int frame) const {
+        const std::lock_guard hold(lock_);
+        const auto record = records_.find(frame);
+        if (record == records_.end() || !record->second.ball ||
+            record->second.ball->confidence < 0.5 * shot_.options.photo.threshold)
+            return std::nullopt;
+        return record->second.ball;
+    }
+
+    /// Of a key frame that shows the ball but weakly, a neighbour that is to be asked first.
+    std::optional<int> unknown_beside(int key) const {
+        if (surely_at(key) || !weakly_at(key)) return std::nullopt;
+        for (const bool forward : {false, true})
+            if (const auto other = key_after(key, forward); other && !knows(*other)) return other;
         return std::nullopt;
     }
 
-    std::optional<Outline> surely_at(int frame) const {
+    /// What a key frame shows surely, or weakly where a neighbour surely does.
+    std::optional<Sighting> telling_at(int key) const {
+        if (const auto ball = surely_at(key)) return ball;
+        const auto ball = weakly_at(key);
+        if (!ball) return std::nullopt;
+        for (const bool forward : {false, true}) {
+            const auto beside = key_after(key, forward);
+            const auto other = beside ? surely_at(*beside) : std::nullopt;
+            if (other && may_be_same(ball->outline, other->outline)) return ball;
+        }
+        return std::nullopt;
+    }
+
+    std::optional<std::pair<int, Sighting>> nearest_sighting_before(int key) const {
+        const auto previous = key_after(key, false);
+        return previous ? nearest_sighting(*previous, false) : std::nullopt;
+    }
+
+    std::optional<std::pair<int, Sighting>> nearest_sighting(int frame, bool forward) const {
+        const auto keys = keys_from(frame, forward);
+        if (keys.empty()) return std::nullopt;
+        const auto ball = telling_at(keys.back());
+        if (!ball) return std::nullopt;
+        return std::pair{keys.back(), *ball};
+    }
+
+    std::optional<Sighting> surely_at(int frame) const {
         const std::lock_guard hold(lock_);
         const auto record = records_.find(frame);
         if (record == records_.end() || !record->second.ball || !record->second.ball->sure)
             return std::nullopt;
-        return record->second.ball->outline;
+        return record->second.ball;
     }
 
     void add(TrackRecord record) {
@@ -296,19 +389,18 @@ void run_track(const Shot& shot) {
     const auto there = [&](int n) { return track.there(n); };
     for (const int frame : shot.frames) {
         if (track.knows(frame)) continue;
-        const int key = key_frame(frame, there);
-        if (key == frame) {
+        if (key_frame(frame, there) == frame)
             keys.insert(frame);
-            continue;
-        }
-        todo.push_back(frame);
-        // Of a frame that is not there nothing is searched, and of a told ball no key is needed.
-        if (shot.solving.told || !there(frame)) continue;
-        if (!track.knows(key)) keys.insert(key);
-        const auto next = next_key_frame(frame, there);
-        if (next && !track.knows(*next)) keys.insert(*next);
+        else
+            todo.push_back(frame);
     }
-    track.search({keys.begin(), keys.end()}, "searching key frames");
+    // Of a told ball no key is needed. Of others further ones may be, where these do not show it.
+    while (!keys.empty() || !shot.solving.told) {
+        if (!shot.solving.told) keys.merge(track.unknown_keys(todo));
+        if (keys.empty()) break;
+        track.search({keys.begin(), keys.end()}, "searching key frames");
+        keys.clear();
+    }
     track.search(todo, "tracking");
 }
 

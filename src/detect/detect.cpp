@@ -304,6 +304,30 @@ std::vector<Draft> seek_moved(const std::vector<Draft>& rough, const Picture& pi
     return found;
 }
 
+/// A ball that is known to have moved, from where it must be and from closely around: where several
+/// starts end says how sure that is.
+std::vector<Draft> follow_moved(const Outline& start, const V2d& motion, const Picture& picture) {
+    constexpr double kShift = 0.03;  // of the radius
+    constexpr double kClear = 1;
+    std::vector<MovedStart> starts;
+    for (const double side : {-1.0, 0.0, 1.0}) {
+        Outline one = start;
+        // Across its way, along which the rim is smeared.
+        const V2d way = motion / motion.length();
+        one.cx -= side * kShift * start.a * way.y;
+        one.cy += side * kShift * start.a * way.x;
+        one.a *= 1 + side * kShift;
+        one.b *= 1 + side * kShift;
+        starts.push_back({one, motion, kClear});
+    }
+    std::vector<Draft> found;
+    for (const MovedBall& ball :
+         moved_balls(picture.grey, picture.levels, starts, picture.exact, start))
+        if (!lost(ball.outline, picture.grey.pixels.size)) found.push_back(draft_of(ball));
+    sort_by_score(found);
+    return found;
+}
+
 /// Of rims around nearly the same place the best: the outer ones before the inner, which may be
 /// reflections, if they are at all as sure.
 void drop_nested(std::vector<Draft>& drafts) {
@@ -403,6 +427,9 @@ std::vector<Outline> starts_of(const Picture& picture, const Photo& photo,
 
 std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
                              const DetectOptions& options, const Watch& watch) {
+    const auto& motion = options.start ? options.motion : std::nullopt;
+    if (motion && motion->length2() > 0)
+        return follow_moved(starts_of(picture, photo, options, watch).front(), *motion, picture);
     const Size size = picture.grey.pixels.size;
     const bool expected = options.expected || options.start;
     const std::size_t followed = expected ? kMostFollowedExpected : kMostFollowed;
@@ -439,8 +466,9 @@ std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
     for (Draft& draft : drafts) judge(draft, picture);
     drop_nested(drafts);
     // Seeking costs as much as all else: not where a ball that stood still is found.
+    const double enough = motion ? kWorthSettling : kFound;
     if (std::none_of(drafts.begin(), drafts.end(),
-                     [](const Draft& d) { return d.score >= kFound; })) {
+                     [&](const Draft& d) { return d.score >= enough; })) {
         watch.check();
         for (const Draft& ball : seek_moved(rough, picture)) drafts.push_back(ball);
     }

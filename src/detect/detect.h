@@ -29,6 +29,10 @@ struct DetectOptions {
     /// before and behind showed it: nothing is sought, its rim is followed from there. A quarter of
     /// the time.
     std::optional<Outline> start = std::nullopt;
+    /// With `start`: how far it moved while the shutter was open, pixels, as those frames showed
+    /// it. Of zero, motion is only sought where nothing that stood still is near; of more, only
+    /// the rim of a ball that moved about so is followed, at a fifth of the time.
+    std::optional<V2d> motion = std::nullopt;
 };
 
 /// Standard deviations of an outline's numbers, of one with the others unknown.

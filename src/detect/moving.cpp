@@ -64,9 +64,8 @@ double odds_of(const std::vector<Level>& levels, const MotionFit& fit) {
 constexpr double kAgreementGain = 1.09;
 
 /// How near other starts led to the same place: 1 if right there.
-double nearness(const MotionFit& one, const MotionFit& other) {
+double nearness(const Outline& o, const Outline& p) {
     constexpr double kScale = 0.03;
-    const Outline &o = one.outline, &p = other.outline;
     const double apart =
         std::max({std::abs(o.cx - p.cx), std::abs(o.cy - p.cy), std::abs(o.b - p.b)});
     return std::exp(-apart / (kScale * o.b));
@@ -75,7 +74,7 @@ double nearness(const MotionFit& one, const MotionFit& other) {
 double agreement(const std::vector<Found>& all, const Found& one) {
     double sum = 0;
     for (const Found& other : all)
-        if (&other != &one) sum += nearness(one.fit, other.fit);
+        if (&other != &one) sum += nearness(one.fit.outline, other.fit.outline);
     return sum;
 }
 
@@ -86,7 +85,7 @@ MotionFit averaged(const std::vector<Found>& all, const MotionFit& one) {
     double weights = 0;
     V2d motion(0);
     for (const Found& other : all) {
-        const double w = nearness(one, other.fit);
+        const double w = nearness(one.outline, other.fit.outline);
         const Shape s = shape_of(other.fit.outline);
         sum = {sum.x + w * s.x, sum.y + w * s.y, sum.radius + w * s.radius, sum.e1 + w * s.e1,
                sum.e2 + w * s.e2};
@@ -132,7 +131,9 @@ std::optional<MovedStart> moved_start(const std::vector<Level>& levels, const Ou
 }
 
 std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>& levels,
-                                   const std::vector<MovedStart>& starts, const Lens& lens) {
+                                   const std::vector<MovedStart>& starts, const Lens& lens,
+                                   const std::optional<Outline>& seen) {
+    constexpr double kSeenCounts = 3;
     constexpr double kLeastEvidence = 2;
     constexpr double kLeastKnown = 0.5;
     constexpr double kSmallest = 25;
@@ -146,7 +147,8 @@ std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>
     }
     std::vector<MovedBall> balls;
     for (const Found& one : found) {
-        const double odds = one.odds + kAgreementGain * agreement(found, one);
+        double odds = one.odds + kAgreementGain * agreement(found, one);
+        if (seen) odds += kAgreementGain * kSeenCounts * nearness(one.fit.outline, *seen);
         const MotionFit fit = averaged(found, one.fit);
         balls.push_back(
             {fit.outline, fit.motion, covariance_of(fit), fit.clear, 1 / (1 + std::exp(-odds))});

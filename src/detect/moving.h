@@ -31,7 +31,11 @@ struct MovedBall {
 };
 
 /// The moved balls near starts; less than one for each, and several that are the same.
+///
+/// seen   where pictures before and behind showed such a ball: to end there says as much as three
+///        other starts that end there, too
 std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>& levels,
-                                   const std::vector<MovedStart>& starts, const Lens& lens);
+                                   const std::vector<MovedStart>& starts, const Lens& lens,
+                                   const std::optional<Outline>& seen = std::nullopt);
 
 }  // namespace chromeball::detecting

@@ -109,11 +109,23 @@ int key_frame(int frame, const std::function<bool(int)>& there) {
     return frame;
 }
 
-std::optional<int> next_key_frame(int frame, const std::function<bool(int)>& there) {
-    const int first = (block_of(frame) + 1) * kKeyInterval;
+namespace {
+
+std::optional<int> key_frame_of_block(int block, const std::function<bool(int)>& there) {
+    const int first = block * kKeyInterval;
     for (int key = first; key < first + kKeyInterval; ++key)
         if (there(key)) return key;
     return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<int> next_key_frame(int frame, const std::function<bool(int)>& there) {
+    return key_frame_of_block(block_of(frame) + 1, there);
+}
+
+std::optional<int> previous_key_frame(int frame, const std::function<bool(int)>& there) {
+    return key_frame_of_block(block_of(frame) - 1, there);
 }
 
 }  // namespace chromeball

@@ -35,5 +35,7 @@ int key_frame(int frame, const std::function<bool(int)>& there);
 /// The key frame of the block behind the frame's own, to which the ball moves from its own key
 /// frame; nothing where no plate of that block is there.
 std::optional<int> next_key_frame(int frame, const std::function<bool(int)>& there);
+/// The key frame of the block before the frame's; nothing where that has no frames.
+std::optional<int> previous_key_frame(int frame, const std::function<bool(int)>& there);
 
 }  // namespace chromeball

@@ -49,6 +49,7 @@ Json to_json(const Sighting& ball) {
         {"visible_rim", ball.visible_rim},
         {"lens_blur", ball.lens_blur},
         {"sure", ball.sure}};
+    if (ball.motion.length2() > 0) json["motion"] = {ball.motion.x, ball.motion.y};
     if (ball.focal) json["focal_px"] = {ball.focal->focal, ball.focal->deviation};
     return json;
 }
@@ -63,6 +64,10 @@ Sighting sighting_from(const Json& json) {
     ball.visible_rim = json.at("visible_rim");
     ball.lens_blur = json.at("lens_blur");
     ball.sure = json.at("sure");
+    if (json.contains("motion")) {
+        const auto motion = json.at("motion").get<std::array<double, 2>>();
+        ball.motion = V2d(motion[0], motion[1]);
+    }
     if (json.contains("focal_px")) {
         const auto hint = json.at("focal_px").get<std::array<double, 2>>();
         ball.focal = FocalHint{hint[0], hint[1]};

@@ -25,13 +25,30 @@ std::size_t pixel_bytes(const Photo& photo) {
 
 std::optional<Outline> outline_between(const Outline& before, const Outline& after, double part) {
     constexpr double kMostGrowth = 2, kFarthest = 6;  // times the radius
+    constexpr double kMostBeyond = 3;
+    if (part > kMostBeyond) return std::nullopt;
     const double small = std::min(before.a, after.a), large = std::max(before.a, after.a);
     const double way = std::hypot(after.cx - before.cx, after.cy - before.cy);
     if (large > kMostGrowth * small || way > kFarthest * small) return std::nullopt;
     const auto mean = [&](double one, double other) { return one + part * (other - one); };
     // Which way it is longer says little so far from where it was seen.
     const double radius = mean(std::sqrt(before.a * before.b), std::sqrt(after.a * after.b));
+    if (radius < small / kMostGrowth) return std::nullopt;
     return Outline{mean(before.cx, after.cx), mean(before.cy, after.cy), radius, radius, 0};
+}
+
+bool may_be_same(const Outline& one, const Outline& other) {
+    constexpr double kMostGrowth = 1.25;
+    const double small = std::min(one.a, other.a), large = std::max(one.a, other.a);
+    return large < kMostGrowth * small && std::hypot(one.cx - other.cx, one.cy - other.cy) < small;
+}
+
+std::optional<V2d> motion_between(const V2d& before, const V2d& after, double part) {
+    // A motion and its opposite look alike.
+    const V2d turned = before.dot(after) < 0 ? -after : after;
+    const double shorter = std::min(before.length(), after.length());
+    if ((turned - before).length() > 0.5 * shorter) return std::nullopt;
+    return before + (turned - before) * part;
 }
 
 Window search_window(const Outline& last, double margin, const Window& picture) {

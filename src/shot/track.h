@@ -29,6 +29,7 @@ struct Sighting {
     /// Whether it counts as found; a weaker one is only held against what the others tell.
     bool sure = false;
     std::optional<FocalHint> focal = std::nullopt;  ///< where nobody tells the lens
+    V2d motion{0, 0};  ///< while the shutter was open, pixels; which way round is open
 
     bool operator==(const Sighting&) const = default;
 };
@@ -49,8 +50,16 @@ struct TrackRecord {
 };
 
 /// Where a ball is between two frames in which it was seen: `part` of the way from one to the
-/// other. Nothing where the two are so unlike that a cut lies between them.
+/// other, or beyond if it goes on as it went, up to 3. Nothing where the two are so unlike that a
+/// cut lies between them, or where it would vanish.
 std::optional<Outline> outline_between(const Outline& before, const Outline& after, double part);
+
+/// Whether two frames some way apart may show the same ball, near where it was and about as large.
+bool may_be_same(const Outline& one, const Outline& other);
+
+/// How far a ball moved while the shutter was open, on the way from one such motion to another.
+/// Nothing where they are so unlike that what is between cannot be told.
+std::optional<V2d> motion_between(const V2d& before, const V2d& after, double part);
 
 /// The part of a picture to look at for a ball that was at an outline some frames ago: `margin`
 /// radii further than the rim on all sides, cut to the picture.

@@ -125,5 +125,46 @@ TEST(MovingBall, TheInsideOfAStillBallTellsNothingClearly) {
     EXPECT_GT(median(moved), 2 * median(still));
 }
 
+/// The best ball near a place where one is said to have moved so, or none.
+Candidate followed(const Moving& made, const Outline& start, const V2d& motion) {
+    DetectOptions options;
+    options.start = start;
+    options.motion = motion;
+    const auto balls = find_balls(made.photo, options);
+    return balls.empty() ? Candidate{} : balls.front();
+}
+
+TEST(MovingBall, IsFollowedFromWhereOtherFramesShowIt) {
+    constexpr int kPictures = 8;
+    constexpr double kExpected = 0.2;  // where one is expected half the usual confidence is enough
+    int right = 0, wrong = 0, elsewhere = 0;
+    for (int i = 0; i < kPictures; ++i) {
+        const Moving made = moving_picture(static_cast<unsigned>(6000 + i), 0.12 + 0.03 * i);
+        Outline start = made.outline;
+        start.cx += 0.01 * start.a;
+        start.cy -= 0.01 * start.a;
+        const Candidate ball = followed(made, start, made.motion * -1.05);
+        const Outline &o = ball.outline, &t = made.outline;
+        const bool near = std::hypot(o.cx - t.cx, o.cy - t.cy) < 0.04 * t.a &&
+                          std::abs(o.a - t.a) < 0.04 * t.a && ball.motion.length() > 0;
+        if (ball.confidence >= kExpected) ++(near ? right : wrong);
+        start.cx += start.cx < made.photo.display.width / 2 ? start.a : -start.a;
+        elsewhere += followed(made, start, made.motion).confidence >= kExpected;
+    }
+    std::printf("%d followed, %d of them wrong, %d where they are not\n", right + wrong, wrong,
+                elsewhere);
+    EXPECT_GE(right, 0.6 * kPictures);
+    EXPECT_LE(wrong, 1);
+    EXPECT_LE(elsewhere, 1);
+}
+
+TEST(MovingBall, ThatStandsStillIsFollowedAsSuch) {
+    const Moving made = moving_picture(6001, 0);
+    const Candidate ball = followed(made, made.outline, V2d(0, 0));
+    EXPECT_EQ(ball.motion.length(), 0);
+    EXPECT_GT(ball.confidence, 0.2);
+    EXPECT_NEAR(ball.outline.a, made.outline.a, 0.02 * made.outline.a);
+}
+
 }  // namespace
 }  // namespace chromeball

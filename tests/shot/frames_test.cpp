@@ -78,5 +78,17 @@ TEST(KeyFrame, OfTheNextBlockIsTheFirstThere) {
     EXPECT_FALSE(next(970));
 }
 
+TEST(KeyFrame, OfTheBlockBeforeIsTheFirstThere) {
+    const std::set<int> there = {1001, 1008, 1030, 1050};
+    const auto previous = [&](int frame) {
+        return previous_key_frame(frame, [&](int n) { return there.contains(n); });
+    };
+    EXPECT_EQ(previous(1008), 1001);
+    EXPECT_EQ(previous(1030), 1008);
+    EXPECT_EQ(previous(1041), 1030);  // 1024 is not there
+    EXPECT_FALSE(previous(1001));
+    EXPECT_FALSE(previous(1075));  // of the block of 1056 nothing is
+}
+
 }  // namespace
 }  // namespace chromeball

@@ -13,8 +13,8 @@ TrackRecord full_record() {
     r.frame = 1010;
     r.settings = "abc";
     r.plate = "12-34";
-    r.ball = Sighting{{0.1 + 0.2, 2, 30, 29, 44}, V2d(0.1, 0.2), 0.3, 0.9, 0.8, 0.7, true,
-                      FocalHint{1234.5, 67.8}};
+    r.ball = Sighting{{0.1 + 0.2, 2, 30, 29, 44}, V2d(0.1, 0.2),     0.3, 0.9, 0.8, 0.7, true,
+                      FocalHint{1234.5, 67.8},    V2d(-3.5, 1 / 3.0)};
     r.display = {1920, 1080};
     r.camera.focal = 1000.0 / 3;
     r.camera.principal = V2d(960, 540);

@@ -17,6 +17,37 @@ TEST(Track, ABallIsExpectedOnTheWayFromOneKeyFrameToTheNext) {
     EXPECT_DOUBLE_EQ(at(1)->cx, 180);
 }
 
+TEST(Track, ABallGoesOnAsItWentForAWhile) {
+    const Outline before{100, 50, 40, 40, 0}, last{180, 30, 60, 60, 0};
+    const auto on = outline_between(before, last, 2);
+    ASSERT_TRUE(on);
+    EXPECT_DOUBLE_EQ(on->cx, 260);
+    EXPECT_DOUBLE_EQ(on->cy, 10);
+    EXPECT_DOUBLE_EQ(on->a, 80);
+    EXPECT_FALSE(outline_between(before, last, 3.1));
+    EXPECT_FALSE(outline_between(last, before, 3));  // would vanish
+}
+
+TEST(Track, AWeakBallIsBelievedBesideASureOneOfItsSize) {
+    EXPECT_TRUE(may_be_same({100, 50, 40, 39, 20}, {130, 60, 45, 44, 0}));
+    EXPECT_FALSE(may_be_same({100, 50, 40, 39, 20}, {141, 50, 40, 39, 20}));
+    EXPECT_FALSE(may_be_same({100, 50, 40, 39, 20}, {100, 50, 51, 50, 20}));
+}
+
+TEST(Track, MotionsAreMixedWhicheverWayRoundTheyWereSeen) {
+    for (const double sign : {1.0, -1.0}) {
+        const auto motion = motion_between(V2d(40, 10), V2d(sign * 48, sign * 6), 0.25);
+        ASSERT_TRUE(motion);
+        EXPECT_DOUBLE_EQ(motion->x, 42);
+        EXPECT_DOUBLE_EQ(motion->y, 9);
+    }
+    ASSERT_TRUE(motion_between(V2d(0, 0), V2d(0, 0), 0.5));
+    EXPECT_EQ(motion_between(V2d(0, 0), V2d(0, 0), 0.5)->length(), 0);
+    // From rest to speed anything may lie between, and so where it turns.
+    EXPECT_FALSE(motion_between(V2d(0, 0), V2d(30, 0), 0.5));
+    EXPECT_FALSE(motion_between(V2d(30, 0), V2d(0, 30), 0.5));
+}
+
 TEST(Track, NothingIsExpectedBetweenTheTwoSidesOfACut) {
     const Outline before{100, 50, 40, 39, 20};
     EXPECT_FALSE(outline_between(before, {100, 50, 100, 98, 20}, 0.5));
