@@ -115,7 +115,7 @@ TEST(Align, IsNotDrawnToATurnThatLaysOnePhotographerOnTheOther) {
 TEST(Likeness, IsOneOfTheSameWhateverExposureAndTint) {
     const Place place(8);
     std::vector<ViewPyramid::Sample> a, b, other;
-    for (const V3d d : fibonacci_directions(1000)) {
+    for (const V3d& d : fibonacci_directions(1000)) {
         const auto sample = [](V3d light) {
             ViewPyramid::Sample one{{}, 1};
             for (int c = 0; c < 3; ++c) one.value[c] = static_cast<float>(std::log2(light[c]));
