@@ -50,11 +50,12 @@ struct GreyBallFit {
 /// little weight for what does not fit (shadows, the stand).
 ///
 /// Each ball stands before the other (ball_beside()): what the mirror ball hides does not light the
-/// grey one, and what it throws there in its place, a part of what a perfect mirror would, is solved
-/// with the rest; where that would be more than 5 % of the light, places do not count. What the grey
-/// ball hides from the mirror ball is taken to be as bright as what lies around it: a sun that is
-/// half behind it is found whole, in the pixels that show its other half. A region that explains
-/// less than 1 % of what the grey ball shows gets nothing: paint and noise would ask for as much.
+/// grey one, and what it throws there in its place, a part of what a perfect mirror would, is
+/// solved with the rest; where that would be more than 5 % of the light, places do not count. What
+/// the grey ball hides from the mirror ball is taken to be as bright as what lies around it: a sun
+/// that is half behind it is found whole, in the pixels that show its other half. A region that
+/// explains less than 1 % of what the grey ball shows gets nothing: paint and noise would ask for
+/// as much.
 ///
 /// mirror    reflectance undone, clipped pixels at their clipped value or what is known to be there
 /// clipped   one value a pixel of mirror.pixels, not 0 where it clips
