@@ -64,11 +64,10 @@ double odds_of(const std::vector<Level>& levels, const MotionFit& fit) {
 constexpr double kAgreementGain = 1.09;
 
 /// How near other starts led to the same place: 1 if right there.
-double nearness(const Outline& o, const Outline& p) {
-    constexpr double kScale = 0.03;
+double nearness(const Outline& o, const Outline& p, double scale = 0.03) {
     const double apart =
         std::max({std::abs(o.cx - p.cx), std::abs(o.cy - p.cy), std::abs(o.b - p.b)});
-    return std::exp(-apart / (kScale * o.b));
+    return std::exp(-apart / (scale * o.b));
 }
 
 double agreement(const std::vector<Found>& all, const Found& one) {
@@ -134,6 +133,7 @@ std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>
                                    const std::vector<MovedStart>& starts, const Lens& lens,
                                    const std::optional<Outline>& seen) {
     constexpr double kSeenCounts = 3;
+    constexpr double kBend = 0.1;  // of the radius: of a path, between where it was seen
     constexpr double kLeastEvidence = 2;
     constexpr double kLeastKnown = 0.5;
     constexpr double kSmallest = 25;
@@ -148,7 +148,7 @@ std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>
     std::vector<MovedBall> balls;
     for (const Found& one : found) {
         double odds = one.odds + kAgreementGain * agreement(found, one);
-        if (seen) odds += kAgreementGain * kSeenCounts * nearness(one.fit.outline, *seen);
+        if (seen) odds += kAgreementGain * kSeenCounts * nearness(one.fit.outline, *seen, kBend);
         const MotionFit fit = averaged(found, one.fit);
         balls.push_back(
             {fit.outline, fit.motion, covariance_of(fit), fit.clear, 1 / (1 + std::exp(-odds))});

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "cli/program.h"
@@ -168,6 +169,48 @@ TEST(Shot, GivesTheSameBytesFromStagesAndParts) {
     EXPECT_EQ(results(folder, "out"), expected());
     EXPECT_EQ(run(folder, shot("out", {"--stage", "report", "--report", "r.json"})).status, 0);
     EXPECT_EQ(written_in(report_in(folder, "r.json")), plates().size());
+}
+
+/// The records of the stage track by frame, without what differs from run to run.
+std::map<int, Json> tracked(const TempFolder& folder, const std::string& out) {
+    std::map<int, Json> records;
+    for (const auto& file : fs::recursive_directory_iterator(folder / (out + "/.chromeball"))) {
+        if (file.path().parent_path().filename() != "track") continue;
+        std::istringstream lines(read_bytes(file.path().string()));
+        for (std::string line; std::getline(lines, line);) {
+            Json record = Json::parse(line);
+            record.erase("seconds");
+            records[record.at("frame")] = record;
+        }
+    }
+    return records;
+}
+
+TEST(Shot, TracksTheSameFromFurtherKeyFramesWhateverTheParts) {
+    const TempFolder folder;
+    // Nothing but a grey plate in the key frame 1024; none is behind that of 1040.
+    for (const int frame : {1008, 1024, 1025, 1039, 1040, 1041, 1047}) {
+        painted::Scene s = scene(kFirst);
+        s.centre += V3d(0.015, 0.005, 0) * (frame - 1008);
+        Image image(s.size, 3);
+        const auto light = s.light();
+        if (frame == 1024)
+            std::fill_n(image.row(0), light.size(), 0.2f);
+        else
+            std::copy(light.begin(), light.end(), image.row(0));
+        write_exr(folder / plate_name(frame), image);
+    }
+    make(folder, "whole");
+    make(folder, "parts");
+    ASSERT_EQ(run(folder, shot("whole", {"--stage", "track"})).status, 0);
+    for (const char* part : {"1047", "1025", "1041", "1008,1024,1039,1040"})
+        ASSERT_EQ(run(folder, shot("parts", {"--stage", "track", "--frames", part})).status, 0);
+    const auto whole = tracked(folder, "whole");
+    EXPECT_EQ(whole, tracked(folder, "parts"));
+    ASSERT_EQ(whole.size(), 7u);
+    for (const auto& [frame, record] : whole)
+        EXPECT_EQ(record.contains("ball") && record.at("ball").at("sure") == true, frame != 1024)
+            << frame;
 }
 
 TEST(Shot, AsksForTheStagesBefore) {
