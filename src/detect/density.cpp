@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 namespace chromeball::detecting {
@@ -17,13 +18,15 @@ using Lanes [[gnu::vector_size(kBatch * sizeof(float))]] = float;
 /// The squared length of each whitened profile. A third of the search's time goes here, so there
 /// is a copy for each width of registers; the lanes do not meet, and products are not contracted
 /// (see CMakeLists.txt), so all give the same bits.
-[[gnu::always_inline]] inline Squares whitened(const Batch& batch, const Density& density) {
-    Lanes samples[kSamples];
+template <std::size_t N>
+[[gnu::always_inline]] inline Squares whitened(const BatchOf<N>& batch,
+                                               const DensityOf<N>& density) {
+    Lanes samples[N];
     std::memcpy(samples, batch.samples.data(), sizeof samples);
     Lanes squares{};
-    for (std::size_t i = 0; i < kSamples; ++i) {
+    for (std::size_t i = 0; i < N; ++i) {
         Lanes sum{};
-        const float* row = density.whiten.data() + i * kSamples;
+        const float* row = density.whiten.data() + i * (i + 1) / 2;
         for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
         squares += sum * sum;
     }
@@ -32,68 +35,149 @@ using Lanes [[gnu::vector_size(kBatch * sizeof(float))]] = float;
     return result;
 }
 
+/// Four at a time, for so many scales.
+constexpr std::size_t kScales = 4;
+constexpr float kScaleStep = 0.25f;  // of the variance
+constexpr float kFreedom = 3;        // degrees of, in Student's distribution
+
+/// -2 log likelihoods but for the density's own determinant.
+template <std::size_t N>
+[[gnu::always_inline]] inline Squares robust_costs(const BatchOf<N>& batch,
+                                                   const DensityOf<N>& density) {
+    using Whole [[gnu::vector_size(kBatch * sizeof(float))]] = std::int32_t;
+    Lanes samples[N];
+    std::memcpy(samples, batch.samples.data(), sizeof samples);
+    Lanes squares[N];
+    Lanes all{};
+    for (std::size_t i = 0; i < N; ++i) {
+        Lanes sum{};
+        const float* row = density.whiten.data() + i * (i + 1) / 2;
+        for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
+        squares[i] = sum * sum;
+        all += squares[i];
+    }
+    Lanes variance = all / static_cast<float>(N) + 1e-30f;
+    Lanes least = variance;
+    for (std::size_t scale = 0; scale < kScales; ++scale) {
+        // The logarithm of a product: exponents are summed, mantissas multiplied.
+        const Lanes part = 1 / (kFreedom * variance);
+        Lanes product = variance * 0 + 1;
+        Whole exponents{};
+        for (std::size_t i = 0; i < N; ++i) {
+            product *= 1 + squares[i] * part;
+            if (i % 4 != 3 && i + 1 != N) continue;
+            Whole bits;
+            std::memcpy(&bits, &product, sizeof bits);
+            exponents += (bits >> 23) - 127;
+            bits = (bits & 0x7fffff) | 0x3f800000;
+            std::memcpy(&product, &bits, sizeof bits);
+        }
+        for (std::size_t r = 0; r < kBatch; ++r) {
+            const float sum = 0.69314718f * static_cast<float>(exponents[r]) + std::log(product[r]);
+            const float cost = (kFreedom + 1) * sum + static_cast<float>(N) * std::log(variance[r]);
+            least[r] = scale == 0 ? cost : std::min(least[r], cost);
+        }
+        variance *= kScaleStep;
+    }
+    Squares result;
+    std::memcpy(result.data(), &least, sizeof least);
+    return result;
+}
+
 #if defined(__x86_64__) && defined(__GNUC__)
-[[gnu::target("avx2")]] Squares whitened_by_8(const Batch& batch, const Density& density) {
+template <std::size_t N>
+[[gnu::target("avx2")]] Squares whitened_by_8(const BatchOf<N>& batch,
+                                              const DensityOf<N>& density) {
     return whitened(batch, density);
 }
-[[gnu::target("avx512f")]] Squares whitened_by_16(const Batch& batch, const Density& density) {
+template <std::size_t N>
+[[gnu::target("avx512f")]] Squares whitened_by_16(const BatchOf<N>& batch,
+                                                  const DensityOf<N>& density) {
     return whitened(batch, density);
 }
-Squares squares_of(const Batch& batch, const Density& density) {
+template <std::size_t N>
+[[gnu::target("avx2")]] Squares robust_by_8(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    return robust_costs(batch, density);
+}
+template <std::size_t N>
+[[gnu::target("avx512f")]] Squares robust_by_16(const BatchOf<N>& batch,
+                                                const DensityOf<N>& density) {
+    return robust_costs(batch, density);
+}
+template <std::size_t N>
+Squares squares_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
     if (__builtin_cpu_supports("avx512f")) return whitened_by_16(batch, density);
     if (__builtin_cpu_supports("avx2")) return whitened_by_8(batch, density);
     return whitened(batch, density);
 }
+template <std::size_t N>
+Squares robust_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    if (__builtin_cpu_supports("avx512f")) return robust_by_16(batch, density);
+    if (__builtin_cpu_supports("avx2")) return robust_by_8(batch, density);
+    return robust_costs(batch, density);
+}
 #else
-Squares squares_of(const Batch& batch, const Density& density) { return whitened(batch, density); }
+template <std::size_t N>
+Squares squares_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    return whitened(batch, density);
+}
+template <std::size_t N>
+Squares robust_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    return robust_costs(batch, density);
+}
 #endif
 
 }  // namespace
 
-void add_square(Square& covariance, const std::array<double, kSamples>& row, double variance) {
-    for (std::size_t i = 0; i < kSamples; ++i)
-        for (std::size_t j = 0; j <= i; ++j) covariance[i][j] += variance * row[i] * row[j];
-}
-
-void add(Square& covariance, const Square& other, double times) {
-    for (std::size_t i = 0; i < kSamples; ++i)
-        for (std::size_t j = 0; j <= i; ++j) covariance[i][j] += times * other[i][j];
-}
-
-Density density_of(Square covariance, double noise) {
-    Square factor{}, inverse{};
-    for (std::size_t i = 0; i < kSamples; ++i) {
+template <std::size_t N>
+DensityOf<N> density_of(SquareOf<N> covariance, double noise) {
+    for (std::size_t i = 0; i < N; ++i) {
         covariance[i][i] += noise;
         if (i > 0) covariance[i][i - 1] += kNoiseCorrelation * noise;
-        for (std::size_t j = 0; j <= i; ++j) {
-            double sum = covariance[i][j] + kFree;
-            for (std::size_t k = 0; k < j; ++k) sum -= factor[i][k] * factor[j][k];
-            factor[i][j] = i == j ? std::sqrt(std::max(sum, 1e-12)) : sum / factor[j][j];
+        for (std::size_t j = 0; j <= i; ++j) covariance[i][j] += kFree;
+    }
+    // Cholesky's factor, column by column, and the inverse of it, row by row. All inner loops run
+    // along rows, so that processors take several steps at once.
+    SquareOf<N> upper{}, inverse{};  // upper: the factor, transposed
+    for (std::size_t i = 0; i < N; ++i)
+        for (std::size_t j = 0; j <= i; ++j) upper[j][i] = covariance[i][j];
+    for (std::size_t k = 0; k < N; ++k) {
+        const double root = std::sqrt(std::max(upper[k][k], 1e-12)), part = 1 / root;
+        for (std::size_t i = k; i < N; ++i) upper[k][i] *= part;
+        upper[k][k] = root;
+        for (std::size_t j = k + 1; j < N; ++j) {
+            const double times = upper[k][j];
+            for (std::size_t i = j; i < N; ++i) upper[j][i] -= times * upper[k][i];
         }
     }
-    for (std::size_t column = 0; column < kSamples; ++column)
-        for (std::size_t i = column; i < kSamples; ++i) {
-            double sum = i == column ? 1 : 0;
-            for (std::size_t k = column; k < i; ++k) sum -= factor[i][k] * inverse[k][column];
-            inverse[i][column] = sum / factor[i][i];
+    for (std::size_t i = 0; i < N; ++i) {
+        auto& row = inverse[i];
+        for (std::size_t k = 0; k < i; ++k) {
+            const double times = upper[k][i];
+            for (std::size_t j = 0; j <= k; ++j) row[j] -= times * inverse[k][j];
         }
-    Density density;
+        row[i] += 1;
+        const double part = 1 / upper[i][i];
+        for (std::size_t j = 0; j <= i; ++j) row[j] *= part;
+    }
+    DensityOf<N> density;
     double log_determinant = 0;
-    for (std::size_t i = 0; i < kSamples; ++i) {
-        log_determinant += 2 * std::log(factor[i][i]);
+    for (std::size_t i = 0; i < N; ++i) {
+        log_determinant += 2 * std::log(upper[i][i]);
         for (std::size_t j = 0; j <= i; ++j)
-            density.whiten[i * kSamples + j] = static_cast<float>(inverse[i][j]);
+            density.whiten[i * (i + 1) / 2 + j] = static_cast<float>(inverse[i][j]);
     }
-    density.gain = static_cast<float>(std::exp(log_determinant / kSamples));
+    density.gain = static_cast<float>(std::exp(log_determinant / N));
     return density;
 }
 
-bool normalise(Profile& profile) {
+template <std::size_t N>
+bool normalise(ProfileOf<N>& profile) {
     double sum = 0, squares = 0;
     for (const float v : profile) sum += static_cast<double>(v);
     if (std::isnan(sum)) return false;
     for (float& v : profile) {
-        v -= static_cast<float>(sum / kSamples);
+        v -= static_cast<float>(sum / N);
         squares += static_cast<double>(v * v);
     }
     const auto gain = static_cast<float>(1 / std::sqrt(squares + 1e-20));
@@ -101,17 +185,35 @@ bool normalise(Profile& profile) {
     return true;
 }
 
-void Least::take(const Batch& batch, const Density& density) {
+template <std::size_t N>
+void LeastOf<N>::take(const BatchOf<N>& batch, const DensityOf<N>& density) {
     const Squares squares = squares_of(batch, density);
     for (std::size_t r = 0; r < kBatch; ++r)
         squares_[r] = std::min(squares_[r], density.gain * squares[r]);
 }
 
-std::array<float, kBatch> Least::costs() const {
+template <std::size_t N>
+std::array<float, kBatch> LeastOf<N>::costs() const {
     std::array<float, kBatch> costs{};
     for (std::size_t r = 0; r < kBatch; ++r)
-        costs[r] = kSamples * std::log(squares_[r] / kSamples + 1e-30f);
+        costs[r] = static_cast<float>(N) * std::log(squares_[r] / N + 1e-30f);
     return costs;
 }
+
+template <std::size_t N>
+void RobustLeastOf<N>::take(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    const Squares costs = robust_of(batch, density);
+    const float own = static_cast<float>(N) * std::log(density.gain);
+    for (std::size_t r = 0; r < kBatch; ++r) costs_[r] = std::min(costs_[r], costs[r] + own);
+}
+
+template DensityOf<kSamples> density_of(SquareOf<kSamples>, double);
+template DensityOf<kManySamples> density_of(SquareOf<kManySamples>, double);
+template bool normalise(ProfileOf<kSamples>&);
+template bool normalise(ProfileOf<kManySamples>&);
+template class LeastOf<kSamples>;
+template class LeastOf<kManySamples>;
+template class RobustLeastOf<kSamples>;
+template class RobustLeastOf<kManySamples>;
 
 }  // namespace chromeball::detecting

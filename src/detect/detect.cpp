@@ -39,6 +39,7 @@ struct Draft {
     LastFit last;
     double score = 0;
     V2d motion{0, 0};                           ///< during the exposure, pixels
+    std::vector<double> moved_signs;            ///< where it moved
     std::optional<ShapeCovariance> covariance;  ///< of the outline as a Shape
     std::optional<FocalEstimate> focal;
 };
@@ -257,6 +258,7 @@ Draft draft_of(const MovedBall& ball) {
     draft.covariance = ball.covariance;
     draft.rim.visible = ball.visible;
     draft.score = ball.chance;
+    draft.moved_signs = ball.signs;
     return draft;
 }
 
@@ -465,10 +467,12 @@ std::vector<Draft> drafts_of(const Picture& picture, const Photo& photo,
     thin_out(drafts, 0.015, kept, size);
     for (Draft& draft : drafts) judge(draft, picture);
     drop_nested(drafts);
-    // Seeking costs as much as all else: not where a ball that stood still is found.
+    // Seeking costs as much as all else: not where a ball is found that clearly stood still, or is
+    // followed as one that did.
     const double enough = motion ? kWorthSettling : kFound;
-    if (std::none_of(drafts.begin(), drafts.end(),
-                     [&](const Draft& d) { return d.score >= enough; })) {
+    if (std::none_of(drafts.begin(), drafts.end(), [&](const Draft& d) {
+            return d.score >= enough && (motion || !may_have_moved(picture.levels, d.outline));
+        })) {
         watch.check();
         for (const Draft& ball : seek_moved(rough, picture)) drafts.push_back(ball);
     }
@@ -532,6 +536,7 @@ std::vector<Candidate> find_balls(const Photo& photo, const DetectOptions& optio
         ball.outline.cx += photo.window.x;
         ball.outline.cy += photo.window.y;
         ball.confidence = draft.score;
+        ball.signs = draft.moved_signs;
         if (draft.motion.length2() == 0) {
             ball.signs = signs_of(draft.evidence, draft.last);
             ball.confidence = chance_of(weights(), ball.signs);

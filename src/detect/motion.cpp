@@ -4,135 +4,28 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/core/optim.hpp>
 #include <vector>
 
 #include "detect/density.h"
 #include "detect/pairs.h"
+#include "detect/smear.h"
 
 // On a line along the motion a moving ball is a matter of that line alone: what it shows there at
 // one instant it shows, shifted, at every other. So a profile along such a line is the ball's own,
 // averaged over the motion, before a background that stands still and shines through for the part
 // of the time in which the ball is not there yet. As in edge.cpp the world's light is taken as a
 // random walk, on the ball in the square root of the depth inside the rim; with the average this
-// makes profiles Gaussian with a covariance that depends on where the rim is in the middle of the
-// exposure and on how far it went. Both ends of the smear are seen: where the picture begins to
-// change, and where the background is gone. Where the rim runs along the motion it is nearly sharp,
-// and profiles across it say the same with the part of the motion that goes across.
+// gives profiles a covariance that depends on where the rim is in the middle of the exposure and on
+// how far it went (smear.cpp). Both ends of the smear are seen: where the picture begins to change,
+// and where the background is gone; and what was seen once inside is not news the second time.
+// Where the rim runs along the motion it is nearly sharp, and profiles across it say the same with
+// the part of the motion that goes across.
 
 namespace chromeball::detecting {
 namespace {
-
-/// Half of the motion along a profile, in samples, and the places tried for the rim.
-constexpr std::array<double, 8> kLengths{0.5, 1, 1.5, 2, 3, 4, 5, 6};
-constexpr double kPlaceStep = 0.5;
-constexpr int kPlaces = 25;
-constexpr int kHalfPlaces = kPlaces / 2;
-
-// Variances are relative to that of the first sample inside, as in edge.cpp.
-constexpr double kJump = 1;
-constexpr double kBlur = 0.7;  // sigma, samples
-struct Surroundings {
-    double background;
-    double noise;
-};
-constexpr std::array<Surroundings, 9> kSurroundings{{{1e-3, 1e-3},
-                                                     {1e-3, 1e-2},
-                                                     {1e-3, 0.1},
-                                                     {1e-2, 1e-3},
-                                                     {1e-2, 1e-2},
-                                                     {1e-2, 0.1},
-                                                     {0.1, 1e-3},
-                                                     {0.1, 1e-2},
-                                                     {0.1, 0.1}}};
-
-using Row = std::array<double, kSamples>;
-
-/// Part of the exposure during which each sample lies inside of `at`, softened by the blur.
-Row covered(double at, double half_motion) {
-    constexpr std::array<double, 9> kShifts{-2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2};
-    Row part{};
-    double all = 0;
-    for (const double shift : kShifts) {
-        const double weight = std::exp(-0.5 * shift * shift);
-        all += weight;
-        for (int k = 0; k < kSamples; ++k) {
-            const double inside = at - (k - kHalf) + shift * kBlur;
-            part[static_cast<std::size_t>(k)] +=
-                weight * std::clamp((inside + half_motion) / (2 * half_motion), 0.0, 1.0);
-        }
-    }
-    for (double& p : part) p /= all;
-    return part;
-}
-
-/// The ball's part of the covariance.
-Square ball_covariance(double rim, double half_motion) {
-    Square c{};
-    add_square(c, covered(rim, half_motion), kJump);
-    double depth = 0;
-    while (rim - depth > -kHalf - half_motion - 1) {
-        const double next = depth + (depth < 1 ? 0.25 : depth < 3 ? 0.5 : 1);
-        add_square(c, covered(rim - 0.5 * (depth + next), half_motion),
-                   std::sqrt(next) - std::sqrt(depth));
-        depth = next;
-    }
-    return c;
-}
-
-/// The background's, a walk of variance 1 a sample away from the rim, as far as it shows.
-Square background_covariance(double rim, const Row& ball) {
-    Square c{};
-    for (std::size_t i = 0; i < kSamples; ++i)
-        for (std::size_t j = 0; j <= i; ++j) {
-            const double a = static_cast<double>(i) - kHalf - rim;
-            const double b = static_cast<double>(j) - kHalf - rim;
-            if ((a < 0) == (b < 0))
-                c[i][j] = std::min(std::abs(a), std::abs(b)) * (1 - ball[i]) * (1 - ball[j]);
-        }
-    return c;
-}
-
-/// All densities there are: they depend on nothing but the numbers above.
-struct Bank {
-    std::vector<Density> rims;  ///< length by length, place by place, kind by kind
-    std::vector<Density> none;  ///< profiles without a rim, kind by kind
-
-    Bank() {
-        for (const double half_motion : kLengths)
-            for (int place = 0; place < kPlaces; ++place) {
-                const double rim = (place - kHalfPlaces) * kPlaceStep;
-                const Square ball = ball_covariance(rim, half_motion);
-                const Square back = background_covariance(rim, covered(rim, half_motion));
-                for (const auto& [background, noise] : kSurroundings) {
-                    Square all = ball;
-                    add(all, back, background);
-                    rims.push_back(density_of(all, noise));
-                }
-            }
-        const Square walk = background_covariance(-kHalf - 2, Row{});
-        for (const auto& [background, noise] : kSurroundings) {
-            Square all{};
-            add(all, walk, background);
-            none.push_back(density_of(all, noise));
-        }
-    }
-};
-
-const Bank& bank() {
-    static const Bank all;
-    return all;
-}
-
-/// With the surroundings that fit each best.
-std::array<float, kBatch> least_cost(const Batch& batch, const Density* densities) {
-    Least least;
-    for (std::size_t kind = 0; kind < kSurroundings.size(); ++kind)
-        least.take(batch, densities[kind]);
-    return least.costs();
-}
 
 /// What is sought, relative to the guess; pixels.
 struct Change {
@@ -175,6 +68,16 @@ struct Guess {
     double stretch_of(const V2d& d) const {
         return (towards.x * (d.x * d.x - d.y * d.y) + towards.y * 2 * d.x * d.y) / d.length2();
     }
+    /// The change that leads to `other`, but for the ellipticity.
+    Change change_to(const Guess& other) const {
+        const V2d d(other.shape.x - shape.x, other.shape.y - shape.y);
+        return {d.dot(way),
+                d.dot(across()),
+                other.shape.radius - shape.radius,
+                other.half_motion - half_motion,
+                0,
+                way.cross(other.way) * shape.radius};
+    }
     void take(const Change& c) {
         const V2d shift = way * c.along + across() * c.across;
         way = (way + across() * (c.turn / shape.radius)).normalized();
@@ -215,58 +118,14 @@ double smear_of(const Line& line, double radius, const Change& c) {
     return std::abs(line.normal.x + line.normal.y * c.turn / radius);
 }
 
-/// What a profile says: -2 log likelihood less that of the best.
-struct Voice {
-    Line line;
-    std::array<float, kLengths.size() * kPlaces> excess;
-    float without;
-
-    /// Bilinear; lengths and places in samples.
-    double at(double length, double place) const {
-        const double l =
-            std::clamp(length < 2 ? 2 * length - 1 : length + 1, 0.0, kLengths.size() - 1.001);
-        const double p = std::clamp(place / kPlaceStep + kHalfPlaces, 0.0, kPlaces - 1.001);
-        const auto i = static_cast<std::size_t>(l), j = static_cast<std::size_t>(p);
-        const double u = l - static_cast<double>(i), v = p - static_cast<double>(j);
-        const float* e = excess.data() + i * kPlaces + j;
-        return (1 - u) * ((1 - v) * static_cast<double>(e[0]) + v * static_cast<double>(e[1])) +
-               u * ((1 - v) * static_cast<double>(e[kPlaces]) +
-                    v * static_cast<double>(e[kPlaces + 1]));
-    }
-};
-
-std::vector<Voice> voices_of(const std::vector<Line>& lines, const std::vector<Profile>& profiles) {
-    std::vector<Voice> voices;
-    for (std::size_t first = 0; first < lines.size(); first += kBatch) {
-        const std::size_t count = std::min(kBatch, lines.size() - first);
-        Batch batch;
-        for (std::size_t r = 0; r < count; ++r) batch.set(r, profiles[first + r]);
-        for (std::size_t r = 0; r < count; ++r) voices.push_back({lines[first + r], {}, 0});
-        Voice* here = voices.data() + first;
-        for (std::size_t i = 0; i < here->excess.size(); ++i) {
-            const auto cost = least_cost(batch, bank().rims.data() + i * kSurroundings.size());
-            for (std::size_t r = 0; r < count; ++r) here[r].excess[i] = cost[r];
-        }
-        const auto without = least_cost(batch, bank().none.data());
-        for (std::size_t r = 0; r < count; ++r) {
-            auto& excess = here[r].excess;
-            const float best = *std::min_element(excess.begin(), excess.end());
-            for (float& e : excess) e -= best;
-            here[r].without = without[r] - best;
-        }
-    }
-    return voices;
-}
-
 constexpr int kDense = 4;  // lines sampled for each that is used
 
 /// Lines side by side, kDense for each one that is used.
-std::vector<Line> lines_along(const Guess& guess, int side, double step) {
-    constexpr int kLines = 24;
+std::vector<Line> lines_along(const Guess& guess, int side, double step, int count) {
     constexpr double kSpan = 0.85;  // of the radius: further out the rim runs along the lines
     std::vector<Line> lines;
-    for (int i = 0; i < kLines * kDense; ++i) {
-        const double y = kSpan * guess.shape.radius * ((2 * i + 1.0) / (kLines * kDense) - 1);
+    for (int i = 0; i < count * kDense; ++i) {
+        const double y = kSpan * guess.shape.radius * ((2 * i + 1.0) / (count * kDense) - 1);
         const V2d at = guess.way * (side * guess.chord(y, side)) + guess.across() * y;
         lines.push_back({V2d(guess.shape.x, guess.shape.y) + at, guess.way * side, step, y, side,
                          V2d(0, 0), guess.stretch_of(at), guess.chord(y, side)});
@@ -289,30 +148,37 @@ std::vector<Line> lines_across(const Guess& guess, int side, double step) {
     return lines;
 }
 
-Profile profile_of(const Raster<std::uint16_t>& picture, const Line& line) {
-    Profile profile{};
-    for (int k = 0; k < kSamples; ++k) {
-        const V2d p = line.at + line.outwards * ((k - kHalf) * line.step);
-        profile[static_cast<std::size_t>(k)] = sample(picture, p.x, p.y, [](std::uint16_t code) {
-            return static_cast<float>(code) * (1 / 65535.f);
-        });
-    }
+/// Each sample is the mean over its step, as far as pixels tell.
+template <std::size_t N>
+ProfileOf<N> profile_of(const Raster<std::uint16_t>& picture, const Line& line) {
+    const int taps = std::clamp(static_cast<int>(std::ceil(line.step / 1.2)), 1, 8);
+    ProfileOf<N> profile{};
+    for (std::size_t k = 0; k < N; ++k)
+        for (int tap = 0; tap < taps; ++tap) {
+            const double at =
+                static_cast<double>(k) - static_cast<double>(N / 2) + (tap + 0.5) / taps - 0.5;
+            const V2d p = line.at + line.outwards * (at * line.step);
+            profile[k] += sample(picture, p.x, p.y, [](std::uint16_t code) {
+                return static_cast<float>(code) * (1 / 65535.f);
+            });
+        }
     return profile;
 }
 
-/// Averages neighbours, which show the same rim, and takes one line in kDense. Those that
-/// leave the picture are left out.
-void look_along(const Raster<std::uint16_t>& picture, const std::vector<Line>& lines,
-                std::vector<Line>& used, std::vector<Profile>& profiles_used) {
-    std::vector<Profile> profiles;
-    for (const Line& line : lines) profiles.push_back(profile_of(picture, line));
-    const int count = static_cast<int>(lines.size());
+/// Averages neighbours, which show the same rim, as far as `wide` of the lines' distance, and takes
+/// one line in kDense. Those that leave the picture are left out.
+template <std::size_t N>
+void look_along(const Raster<std::uint16_t>& picture, const std::vector<Line>& lines, double wide,
+                std::vector<Line>& used, std::vector<ProfileOf<N>>& profiles_used) {
+    std::vector<ProfileOf<N>> profiles;
+    for (const Line& line : lines) profiles.push_back(profile_of<N>(picture, line));
+    const int count = static_cast<int>(lines.size()), reach = cvRound(2 * wide * kDense);
     for (int i = kDense / 2; i < count; i += kDense) {
-        Profile mean{};
-        for (int j = std::max(0, i - 2 * kDense); j <= std::min(count - 1, i + 2 * kDense); ++j) {
-            const double d = double(j - i) / kDense;
+        ProfileOf<N> mean{};
+        for (int j = std::max(0, i - reach); j <= std::min(count - 1, i + reach); ++j) {
+            const double d = double(j - i) / (wide * kDense);
             const auto weight = static_cast<float>(std::exp(-0.5 * d * d));
-            for (std::size_t k = 0; k < kSamples; ++k)
+            for (std::size_t k = 0; k < N; ++k)
                 mean[k] += weight * profiles[static_cast<std::size_t>(j)][k];
         }
         if (!normalise(mean)) continue;
@@ -321,76 +187,127 @@ void look_along(const Raster<std::uint16_t>& picture, const std::vector<Line>& l
     }
 }
 
-constexpr double kIndependent = 0.5;     // of the profiles: neighbours err alike
-constexpr double kAcrossWeight = 0.5;    // of profiles across the rim, which are closer together
-constexpr double kOutlier = 0.1;         // likelihood of a profile that shows something else
-constexpr double kOutlineSpread = 0.03;  // of the radius: of the guess that all begins with
-constexpr double kTurnSpread = 0.12;     // radians
-constexpr double kLengthSpread = 0.06;   // of the logarithm of the motion
+constexpr double kIndependent = 0.5;   // of the profiles: neighbours err alike
+constexpr double kBesideWeight = 0.5;  // of profiles across the rim, which are closer together
+constexpr double kOutlier = 0.1;       // likelihood of a profile that shows something else
+constexpr double kFinest = 0.7;        // pixels: finer samples share their pixels' noise
 
-/// How badly a change of `guess`, which began as `first`, agrees with what the profiles say.
+/// What shows about the rim that a guess expects: profiles along the motion, and across the rim
+/// where it runs along.
+struct Look {
+    Guess guess;
+    std::vector<Line> lines;
+    std::vector<SmearVoice> voices;  ///< by line
+    std::vector<Line> lines_beside;
+    std::vector<BesideVoice> beside;
+    double known = 0;  ///< part of the lines along the motion that lie in the picture
+};
+
+/// With samples no finer than told, pixels.
+Look look_at(const Raster<std::uint16_t>& picture, const Guess& guess, double finest,
+             double step_beside) {
+    constexpr int kLines = 36;
+    constexpr double kWide = 0.5, kWideBeside = 1;  // of the lines' distance
+    const double step = std::max(finest, guess.half_motion / kSmearSamples);
+    Look look{guess, {}, {}, {}, {}, 0};
+    std::vector<ProfileOf<kManySamples>> along;
+    std::vector<Profile> beside;
+    for (const int side : {1, -1}) {
+        look_along(picture, lines_along(guess, side, step, kLines), kWide, look.lines, along);
+        look_along(picture, lines_across(guess, side, step_beside), kWideBeside, look.lines_beside,
+                   beside);
+    }
+    look.voices = smear_voices(along, guess.half_motion / step);
+    look.beside = beside_voices(beside);
+    look.known = static_cast<double>(look.lines.size()) / (2 * kLines);
+    return look;
+}
+
+/// How badly a change of a look's guess agrees with what shows there.
 class Misfit : public cv::MinProblemSolver::Function {
 public:
-    Misfit(const std::vector<Voice>& voices, const Guess& guess, const Guess& first,
-           const Lens& lens)
-        : voices_(voices), guess_(guess), first_(first), prior_(prior_at(first.shape, lens)) {}
+    /// `first` is what all began with: the outline from afar, the motion as the inside tells it.
+    Misfit(const Look& look, const Guess& first, const Lens& lens)
+        : look_(look), first_(first), prior_(prior_at(look.guess.shape, lens)) {}
 
     int getDims() const override { return kUnknowns; }
     double calc(const double* x) const override { return of(change_of(x)); }
 
-    double of(const Change& c) const {
-        Guess now = guess_;
-        now.take(c);
-        const double part = std::max(now.half_motion / first_.half_motion, 0.01);
-        double sum = 0.5 * std::pow(std::log(part) / kLengthSpread, 2);
-        const double spread = kOutlineSpread * first_.shape.radius;
-        const double off2 = std::pow(now.shape.x - first_.shape.x, 2) +
-                            std::pow(now.shape.y - first_.shape.y, 2) +
-                            std::pow(now.shape.radius - first_.shape.radius, 2);
-        sum += 0.5 * off2 / (spread * spread);
-        sum += 0.5 * std::pow(first_.way.cross(now.way) / kTurnSpread, 2);
-        const double e =
-            (now.shape.e1 - prior_.e1) * prior_.cos2 + (now.shape.e2 - prior_.e2) * prior_.sin2;
-        sum += 0.5 * e * e / (prior_.along * prior_.along);
-        for (const Voice& v : voices_) {
-            const double weight = v.line.side == 0 ? kAcrossWeight : 1;
-            sum -= weight * std::log(std::exp(-0.5 * kIndependent * excess(v, c)) + kOutlier);
+    double of(const Change& c) const { return unlikely(c) + seen(c); }
+
+    /// What shows alone.
+    double seen(const Change& c) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < look_.voices.size(); ++i)
+            sum -= std::log(std::exp(-0.5 * kIndependent * cost(i, c)) + kOutlier);
+        const double r = look_.guess.shape.radius;
+        for (std::size_t i = 0; i < look_.beside.size(); ++i) {
+            const Line& line = look_.lines_beside[i];
+            const double length = (look_.guess.half_motion + c.half_motion) * smear_of(line, r, c);
+            const double cost =
+                look_.beside[i].cost(length / line.step, place_of(line, r, c) / line.step);
+            sum -= kBesideWeight * std::log(std::exp(-0.5 * kIndependent * cost) + kOutlier);
         }
         return sum;
     }
 
-    double excess(const Voice& v, const Change& c) const {
-        const double r = guess_.shape.radius;
-        const double length = (guess_.half_motion + c.half_motion) * smear_of(v.line, r, c);
-        return v.at(length / v.line.step, place_of(v.line, r, c) / v.line.step);
-    }
-
+    /// What is said for the outline, see MotionFit.
     void tell(const Change& c, MotionFit& fit) const {
-        double evidence = 0, clear = 0;
-        for (const Voice& v : voices_) {
-            const double gain = 0.5 * (static_cast<double>(v.without) - excess(v, c));
-            evidence += std::clamp(gain, -5.0, 20.0);
-            clear += gain > 2;
+        double still = 0, moving = 0, clear = 0, outer = 0;
+        for (std::size_t i = 0; i < look_.voices.size(); ++i) {
+            const SmearVoice& v = look_.voices[i];
+            const double here = cost(i, c);
+            still += std::clamp(0.5 * (v.cost_still() - here), -5.0, 20.0);
+            moving += std::clamp(0.5 * (v.cost_moving() - here), -5.0, 20.0);
+            clear += 0.5 * (v.cost_still() - here) > 2;
+            outer += here > 6;
         }
-        fit.evidence = evidence / static_cast<double>(voices_.size());
-        fit.clear = clear / static_cast<double>(voices_.size());
+        const auto count = static_cast<double>(look_.voices.size());
+        fit.evidence = still / count;
+        fit.ends = moving / count;
+        fit.clear = clear / count;
+        fit.amiss = outer / count;
+        fit.known = look_.known;
     }
 
 private:
-    const std::vector<Voice>& voices_;
-    const Guess &guess_, &first_;
+    double unlikely(const Change& c) const {
+        constexpr double kOutlineSpread = 0.05;  // of the radius
+        constexpr double kLengthSpread = 0.015;  // of the motion's logarithm
+        constexpr double kTurnSpread = 0.01;     // radians
+        Guess now = look_.guess;
+        now.take(c);
+        const double part = std::max(now.half_motion / first_.half_motion, 0.01);
+        const double spread = kOutlineSpread * first_.shape.radius;
+        const double off2 = std::pow(now.shape.x - first_.shape.x, 2) +
+                            std::pow(now.shape.y - first_.shape.y, 2) +
+                            std::pow(now.shape.radius - first_.shape.radius, 2);
+        const double e =
+            (now.shape.e1 - prior_.e1) * prior_.cos2 + (now.shape.e2 - prior_.e2) * prior_.sin2;
+        return 0.5 * (std::pow(std::log(part) / kLengthSpread, 2) +
+                      std::pow(first_.way.cross(now.way) / kTurnSpread, 2) +
+                      off2 / (spread * spread) + e * e / (prior_.along * prior_.along));
+    }
+
+    double cost(std::size_t i, const Change& c) const {
+        const Line& line = look_.lines[i];
+        return look_.voices[i].cost((look_.guess.half_motion + c.half_motion) / line.step,
+                                    place_of(line, look_.guess.shape.radius, c) / line.step);
+    }
+
+    const Look& look_;
+    const Guess& first_;
     ShapePrior prior_;
 };
 
 /// The best of a coarse grid: likelihoods of textured pictures have many tops.
-std::vector<Change> starts_of(const Misfit& misfit, const Guess& guess) {
+std::vector<Change> starts_of(const Misfit& misfit, double radius) {
     constexpr std::size_t kStarts = 4;
-    const double r = guess.shape.radius;
     std::vector<std::pair<double, Change>> tried;
     for (double along = -0.09; along < 0.1; along += 0.03)
-        for (double radius = -0.06; radius < 0.07; radius += 0.03)
+        for (double larger = -0.06; larger < 0.07; larger += 0.03)
             for (double across = -0.03; across < 0.04; across += 0.03) {
-                const Change c{along * r, across * r, radius * r, 0, 0, 0};
+                const Change c{along * radius, across * radius, larger * radius, 0, 0, 0};
                 tried.emplace_back(misfit.of(c), c);
             }
     std::partial_sort(tried.begin(), tried.begin() + kStarts, tried.end(),
@@ -447,51 +364,80 @@ Shape paired(const Level& level, const Outline& start, const V2d& motion) {
     return moved(best[0], best[1], best[2]);
 }
 
+/// One place where the ball may be, on its way.
+struct Way {
+    Guess first;  ///< that it began with
+    Guess guess;
+    Look look;  ///< the last one
+    MotionFit fit;
+};
+
+/// Looks and settles; false if too little lies in the picture.
+bool look_and_settle(const Raster<std::uint16_t>& picture, Way& way, const Lens& lens,
+                     double finest, double step_beside, bool from_afar) {
+    constexpr double kEnough = 0.4;
+    way.look = look_at(picture, way.guess, finest, step_beside);
+    if (way.look.known < kEnough) return false;
+    const auto misfit = cv::makePtr<Misfit>(way.look, way.first, lens);
+    const double step = std::max(finest, way.guess.half_motion / kSmearSamples);
+    const Change change = settled(
+        misfit, from_afar ? starts_of(*misfit, way.guess.shape.radius) : std::vector<Change>{{}},
+        step);
+    misfit->tell(change, way.fit);
+    way.guess.take(change);
+    way.fit.outline = outline_of(way.guess.shape);
+    way.fit.motion = way.guess.way * (2 * way.guess.half_motion);
+    return true;
+}
+
+bool nearly_same(const Guess& one, const Guess& other) {
+    constexpr double kSame = 0.015;  // of the radius
+    return std::max({std::abs(one.shape.x - other.shape.x), std::abs(one.shape.y - other.shape.y),
+                     std::abs(one.shape.radius - other.shape.radius)}) < kSame * one.shape.radius;
+}
+
+/// The likeliest by all that was looked at: each alone agrees best with what shows around itself.
+std::size_t likeliest(const std::vector<Way>& ways, const Lens& lens) {
+    std::vector<double> sums(ways.size());
+    for (const Way& way : ways) {
+        const Misfit misfit(way.look, way.first, lens);
+        for (std::size_t i = 0; i < ways.size(); ++i)
+            sums[i] += misfit.seen(way.look.guess.change_to(ways[i].guess));
+    }
+    return static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin());
+}
+
 }  // namespace
 
 MotionFit fit_motion(const Grey& picture, const Level& level, const Outline& start,
                      const V2d& motion, const Lens& lens, double least) {
-    constexpr double kSamplesOfMotion = 4.5;
-    constexpr double kFirstStep = 1.0 / 40;  // of the radius
-    constexpr double kFinestStep = 0.7;
-    constexpr int kRounds = 3;
-    constexpr std::size_t kEnough = 24;
-    // Once more from there: what is usual inside was measured about the first outline.
-    const Shape shape = paired(level, outline_of(paired(level, start, motion)), motion);
-    const ShapePrior prior = prior_at(shape, lens);
-    const Guess first{shape, motion.normalized(), 0.5 * motion.length(), {prior.cos2, prior.sin2}};
-    Guess guess = first;
-    MotionFit fit{start, motion, 0, 0, 0};
-    for (int round = 0; round < kRounds; ++round) {
-        const double r = guess.shape.radius;
-        // The first outline may be wrong by more than the motion is long.
-        const double coarse = std::max(kFinestStep, kFirstStep * r);
-        const double along =
-            std::max(round == 0 ? coarse : kFinestStep, guess.half_motion / kSamplesOfMotion);
-        const double across = round == 0 ? coarse : std::max(kFinestStep, r / 60);
-        std::vector<Line> used;
-        std::vector<Profile> profiles;
-        std::size_t asked = 0;
-        for (const int side : {1, -1})
-            for (const auto& lines :
-                 {lines_along(guess, side, along), lines_across(guess, side, across)}) {
-                look_along(picture.pixels, lines, used, profiles);
-                asked += lines.size() / kDense;
-            }
-        fit.known = static_cast<double>(used.size()) / static_cast<double>(asked);
-        fit.evidence = fit.clear = 0;
-        if (used.size() < kEnough) return fit;
-        const std::vector<Voice> voices = voices_of(used, profiles);
-        const auto misfit = cv::makePtr<Misfit>(voices, guess, first, lens);
-        const auto starts = round == 0 ? starts_of(*misfit, guess) : std::vector<Change>{{}};
-        const Change change = settled(misfit, starts, along);
-        misfit->tell(change, fit);
-        guess.take(change);
-        fit.outline = outline_of(guess.shape);
-        fit.motion = guess.way * (2 * guess.half_motion);
-        if (fit.evidence < least) break;
+    constexpr double kCoarse = 1.0 / 40, kBeside = 1.0 / 80;  // of the radius
+    std::vector<Shape> shapes{shape_of(start)};
+    for (int i = 0; i < 2; ++i)  // the second: what is usual inside is measured about the first
+        shapes.push_back(paired(level, outline_of(shapes.back()), motion));
+    MotionFit fit{start, motion};
+    std::vector<Way> ways;
+    for (const Shape& shape : shapes) {
+        const ShapePrior prior = prior_at(shape, lens);
+        const Guess first{
+            shape, motion.normalized(), 0.5 * motion.length(), {prior.cos2, prior.sin2}};
+        Way way{first, first, {first, {}, {}, {}, {}, 0}, fit};
+        const double coarse = std::max(kFinest, kCoarse * shape.radius);
+        if (!look_and_settle(picture.pixels, way, lens, coarse, coarse, true)) continue;
+        if (way.fit.evidence < least) continue;
+        if (std::none_of(ways.begin(), ways.end(),
+                         [&](const Way& w) { return nearly_same(w.guess, way.guess); }))
+            ways.push_back(way);
     }
-    return fit;
+    const auto closely = [&](Way& way) {
+        const double beside = std::max(kFinest, kBeside * way.guess.shape.radius);
+        return look_and_settle(picture.pixels, way, lens, kFinest, beside, false);
+    };
+    std::erase_if(ways, [&](Way& way) { return !closely(way); });
+    if (ways.empty()) return fit;
+    Way& best = ways[likeliest(ways, lens)];
+    closely(best);
+    return best.fit;
 }
 
 }  // namespace chromeball::detecting

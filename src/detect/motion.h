@@ -11,10 +11,12 @@ namespace chromeball::detecting {
 struct MotionFit {
     Outline outline;  ///< in the middle of the exposure
     V2d motion;       ///< from one end to the other, pixels of the picture; its sign is open
-    /// Log-likelihood of the smeared rim over no rim at all, mean over what was looked at.
-    double evidence = 0;
-    double clear = 0;  ///< part of what was looked at that shows a smeared rim right there
-    double known = 0;  ///< part of what was to be looked at that lies in the picture
+    // Of what was looked at along the motion, on either side, means:
+    double evidence = 0;  ///< log-likelihood of the smeared rim right there over no rim at all,
+    double ends = 0;      ///< over a moving ball that goes on there;
+    double clear = 0;     ///< part that shows a smeared rim,
+    double amiss = 0;     ///< part that shows it elsewhere,
+    double known = 0;     ///< part that lies in the picture
 };
 
 /// The outline near a first one that is wrong by up to some 10 % of its radius, and the motion near

@@ -7,6 +7,7 @@
 #include "detect/pairs.h"
 #include "detect/score.h"
 #include "detect/streaks.h"
+#include "detect/weights.h"
 
 namespace chromeball::detecting {
 namespace {
@@ -23,24 +24,25 @@ Near near_of(const std::vector<Level>& levels, const Outline& outline) {
     return {level, scaled(outline, 1 / level.scale_x, 1 / level.scale_y)};
 }
 
-/// A fit, and what speaks for it.
+/// A fit, and what speaks for it but for whether other fits agree.
 struct Found {
     MotionFit fit;
-    double odds;  ///< their logarithm, but for whether other fits agree
+    std::vector<double> signs;
 };
 
 /// How far the length of the motion that the inside tells is from the fitted one, natural
 /// logarithm. Of several lengths the nearest counts.
-double disagreement(const Near& near, const V2d& motion) {
+double disagreement(const std::vector<Streaks>& streaks, const V2d& motion) {
     constexpr double kMost = 0.5;
     double least = kMost;
-    for (const Streaks& s : streaks_of(near.level, near.outline, 3))
+    for (const Streaks& s : streaks)
         least = std::min(least, std::abs(std::log(std::max(s.motion.length(), 0.1) /
                                                   std::max(motion.length(), 0.1))));
     return least;
 }
 
-double odds_of(const std::vector<Level>& levels, const MotionFit& fit) {
+/// All but the last of moved_signs().
+std::vector<double> signs_of(const std::vector<Level>& levels, const MotionFit& fit) {
     // The rim has had its say in the fit: here only the inside counts.
     Rim perfect;
     perfect.coverage = perfect.visible = perfect.inside_picture = 1;
@@ -50,18 +52,34 @@ double odds_of(const std::vector<Level>& levels, const MotionFit& fit) {
         evidence_of(level, scaled(fit.outline, 1 / level.scale_x, 1 / level.scale_y), perfect);
     const Near near = near_of(levels, fit.outline);
     const V2d motion = fit.motion / near.level.scale();
-    const double ending = Pairs(near.level, near.outline, motion).ending();
-    // A logistic regression of "a mirror ball, and right to 2 %" on fits to 760 painted pictures of
-    // things that moved: mirror balls, matte, rough, glossy and painted balls, discs, and pictures
-    // by a camera that moved (tests/detect/moving_picture.h paints such balls). Over-sure where
-    // more than the motion makes it hard: of the finds in tests/detect/random_picture.h that moved
-    // at most two of five are right.
-    return -7.326 + 2.368 * fit.clear + 0.623 * std::log(score_of(inside) + 1e-4) +
-           4.269 * inside.detailed - 0.702 * inside.squeeze_before - 5.478 * inside.rings -
-           1.665 * disagreement(near, motion) + 0.806 * std::clamp(ending, -1.0, 2.0);
+    const auto streaks = streaks_of(near.level, near.outline, 3);
+    return {fit.evidence,
+            fit.ends,
+            fit.clear,
+            fit.amiss,
+            std::log(score_of(inside) + 1e-4),
+            inside.detailed,
+            inside.squeeze_before,
+            inside.rings,
+            disagreement(streaks, motion),
+            streaks.empty() ? 0 : streaks.front().clarity,
+            Pairs(near.level, near.outline, motion).ending(),
+            smoothness_along(near.level, near.outline),
+            std::log2(fit.motion.length() / radius(fit.outline)),
+            std::log2(radius(fit.outline))};
 }
 
-constexpr double kAgreementGain = 1.09;
+/// What the inside tells more exactly than streaks do, on finer pixels in the end.
+V2d motion_inside(const std::vector<Level>& levels, const MovedStart& start) {
+    constexpr double kFineRadius = 150;
+    V2d motion = start.motion;
+    for (const double largest : {kStreakRadius, kStreakRadius, kFineRadius}) {
+        const Level& level = level_for(levels, radius(start.outline), largest);
+        const Outline outline = scaled(start.outline, 1 / level.scale_x, 1 / level.scale_y);
+        motion = settled_motion(level, outline, motion / level.scale()) * level.scale();
+    }
+    return motion;
+}
 
 /// How near other starts led to the same place: 1 if right there.
 double nearness(const Outline& o, const Outline& p, double scale = 0.03) {
@@ -129,29 +147,36 @@ std::optional<MovedStart> moved_start(const std::vector<Level>& levels, const Ou
                       streaks.front().clarity};
 }
 
+bool may_have_moved(const std::vector<Level>& levels, const Outline& outline) {
+    constexpr double kClear = 0.16;
+    const auto start = moved_start(levels, outline);
+    return start && start->clarity >= kClear;
+}
+
 std::vector<MovedBall> moved_balls(const Grey& picture, const std::vector<Level>& levels,
                                    const std::vector<MovedStart>& starts, const Lens& lens,
                                    const std::optional<Outline>& seen) {
     constexpr double kSeenCounts = 3;
     constexpr double kBend = 0.1;  // of the radius: of a path, between where it was seen
     constexpr double kLeastEvidence = 2;
-    constexpr double kLeastKnown = 0.5;
     constexpr double kSmallest = 25;
     std::vector<Found> found;
     for (const MovedStart& start : starts) {
         const Level& level = near_of(levels, start.outline).level;
-        const MotionFit fit =
-            fit_motion(picture, level, start.outline, start.motion, lens, kLeastEvidence);
-        if (fit.evidence >= kLeastEvidence && fit.known >= kLeastKnown && fit.outline.b > kSmallest)
-            found.push_back({fit, odds_of(levels, fit)});
+        const MotionFit fit = fit_motion(picture, level, start.outline,
+                                         motion_inside(levels, start), lens, kLeastEvidence);
+        if (fit.evidence >= kLeastEvidence && fit.outline.b > kSmallest)
+            found.push_back({fit, signs_of(levels, fit)});
     }
     std::vector<MovedBall> balls;
     for (const Found& one : found) {
-        double odds = one.odds + kAgreementGain * agreement(found, one);
-        if (seen) odds += kAgreementGain * kSeenCounts * nearness(one.fit.outline, *seen, kBend);
+        double agreed = agreement(found, one);
+        if (seen) agreed += kSeenCounts * nearness(one.fit.outline, *seen, kBend);
+        std::vector<double> signs = one.signs;
+        signs.push_back(agreed);
         const MotionFit fit = averaged(found, one.fit);
-        balls.push_back(
-            {fit.outline, fit.motion, covariance_of(fit), fit.clear, 1 / (1 + std::exp(-odds))});
+        balls.push_back({fit.outline, fit.motion, covariance_of(fit), fit.clear,
+                         chance_of(moved_weights(), signs), signs});
     }
     return balls;
 }

@@ -21,13 +21,18 @@ struct MovedStart {
 /// What the inside of an outline says; nothing where it is not streaked.
 std::optional<MovedStart> moved_start(const std::vector<Level>& levels, const Outline& outline);
 
+/// Whether the inside of an outline is so clearly streaked that what is taken for a ball that stood
+/// still may have moved: its rim then lies half of the motion too far outside.
+bool may_have_moved(const std::vector<Level>& levels, const Outline& outline);
+
 /// A mirror ball that moved during the exposure.
 struct MovedBall {
     Outline outline;  ///< in the middle of the exposure
     V2d motion;       ///< from shutter open to close, pixels; its sign is open
     ShapeCovariance covariance{};
-    double visible = 0;  ///< part of the rim that shows as such a ball's would
-    double chance = 0;   ///< probability that it is one, outline within 2 %
+    double visible = 0;              ///< part of the rim that shows as such a ball's would
+    double chance = 0;               ///< probability that it is one, outline within 2 %
+    std::vector<double> signs = {};  ///< what that was weighed from, see moved_signs()
 };
 
 /// The moved balls near starts; less than one for each, and several that are the same.

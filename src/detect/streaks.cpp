@@ -167,4 +167,42 @@ std::vector<Streaks> streaks_of(const Level& level, const Outline& outline, std:
     return kept;
 }
 
+V2d settled_motion(const Level& level, const Outline& outline, const V2d& first) {
+    constexpr double kReach = 0.13;  // of the motion
+    constexpr double kSigma = 1.2;
+    const double length = first.length();
+    if (!(length > 1) || !(outline.b > 12)) return first;
+    const double heading = std::atan2(first.y, first.x);
+    const Turned inside = turned(level, outline, heading, kInside * outline.b);
+    const cv::Mat bends = bends_of(inside, kSigma, false);
+    const int reach = std::max(2, cvCeil(kReach * length)), middle = cvRound(length);
+    // Products of what lies (middle + i, j) apart: least where edges meet their own second ends.
+    cv::Mat1d products(2 * reach + 1, 2 * reach + 1);
+    for (int j = -reach; j <= reach; ++j)
+        for (int i = -reach; i <= reach; ++i) {
+            const int lag = middle + i;
+            const cv::Rect one(0, std::max(0, -j), bends.cols - lag, bends.rows - std::abs(j));
+            const cv::Rect other(lag, std::max(0, j), one.width, one.height);
+            if (lag < 1 || one.width < 1 || one.height < 1) {
+                products(j + reach, i + reach) = 0;
+                continue;
+            }
+            const double count = inside.mask(one).dot(inside.mask(other));
+            products(j + reach, i + reach) = bends(one).dot(bends(other)) / std::max(count, 1.0);
+        }
+    cv::Point at;
+    cv::minMaxLoc(products, nullptr, nullptr, &at, nullptr);
+    if (at.x == 0 || at.y == 0 || at.x == 2 * reach || at.y == 2 * reach) return first;
+    const auto top = [](double before, double here, double after) {
+        const double bend = before - 2 * here + after;
+        return bend > 0 ? std::clamp(0.5 * (before - after) / bend, -0.5, 0.5) : 0.0;
+    };
+    const double along = middle + at.x - reach +
+                         top(products(at.y, at.x - 1), products(at), products(at.y, at.x + 1));
+    const double across =
+        at.y - reach + top(products(at.y - 1, at.x), products(at), products(at.y + 1, at.x));
+    const V2d way = first / length;
+    return way * along + V2d(-way.y, way.x) * across;
+}
+
 }  // namespace chromeball::detecting

@@ -25,4 +25,8 @@ double smoothness_along(const Level& level, const Outline& outline);
 /// only takes longer.
 std::vector<Streaks> streaks_of(const Level& level, const Outline& outline, std::size_t most);
 
+/// The motion near `first` that the inside of an outline speaks for most, to a fraction of a pixel
+/// of the level along it and across. `first` may be wrong by an eighth of its length.
+V2d settled_motion(const Level& level, const Outline& outline, const V2d& first);
+
 }  // namespace chromeball::detecting

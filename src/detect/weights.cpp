@@ -32,7 +32,7 @@ constexpr double kBias = -13.446;
 }  // namespace
 
 const Weights& weights() {
-    static constexpr Weights kWeights{kBias, kGains};
+    static const Weights kWeights{all_signs(), kBias, kGains};
     return kWeights;
 }
 

@@ -17,8 +17,10 @@ struct Sign {
 
 /// Log-odds of "a mirror ball, and its outline right to 2 %".
 struct Weights {
+    std::span<const Sign> signs;
     double bias;
     std::span<const std::array<double, 3>> gains;  ///< of each sign from knot to knot
+    bool gated = true;                             ///< whether the first signs are gates
 };
 
 /// The first signs are gates: what a mirror ball passes all at once. As log2 of soft
@@ -28,6 +30,9 @@ constexpr std::size_t kGates = 8;
 /// In the order of signs_of().
 std::span<const Sign> all_signs();
 const Weights& weights();
+/// Those of balls that moved, which have no gates; in the order of MovedBall::signs.
+std::span<const Sign> moved_signs();
+const Weights& moved_weights();
 
 /// How far a value has come from one knot to the next, 0 to 1.
 inline double part_between(double value, double from, double to) {
@@ -41,8 +46,8 @@ inline double part_between(double value, double from, double to) {
 double most_for(std::span<const double> signs);
 constexpr double kMostUngated = 0.3;
 
-/// The probability that weights give: what the gates allow times a logistic regression. As many
-/// signs as there are.
+/// The probability that weights give: what the gates, if there are any, allow times a logistic
+/// regression. As many signs as there are.
 double chance_of(const Weights& weights, std::span<const double> signs);
 
 }  // namespace chromeball::detecting

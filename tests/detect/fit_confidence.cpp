@@ -1,6 +1,7 @@
 // Weighs the signs by which detection tells how sure it is: makes random pictures, looks for the
 // balls in them, and fits a logistic regression of "this is a mirror ball, and the outline is right
-// to 2 %" to what comes out. Prints src/detect/weights.cpp. See README.md.
+// to 2 %" to what comes out. Prints src/detect/weights.cpp, or, with the word `moved` as the last
+// argument, src/detect/moved_weights.cpp. See README.md.
 
 #include <algorithm>
 #include <cstdio>
@@ -42,7 +43,7 @@ constexpr std::size_t kRamps = 3;
 /// doing much each.
 class Fit {
 public:
-    explicit Fit(const std::vector<Case>& cases) {
+    Fit(const std::vector<Case>& cases, std::span<const Sign> signs, bool gated) : signs_(signs) {
         for (const Case& c : cases) {
             rows_.push_back({});
             for (std::size_t i = 0; i < signs_.size(); ++i)
@@ -50,7 +51,7 @@ public:
                     const auto& knots = signs_[i].knots;
                     rows_.back().push_back(part_between(c.signs[i], knots[k], knots[k + 1]));
                 }
-            most_.push_back(most_for(c.signs));
+            most_.push_back(gated ? most_for(c.signs) : 1);
             right_.push_back(c.right);
             weight_.push_back(c.weight);
             odds_.push_back(0);
@@ -106,7 +107,7 @@ private:
         return change;
     }
 
-    std::span<const Sign> signs_ = all_signs();
+    std::span<const Sign> signs_;
     std::vector<double> gains_ = std::vector<double>(kRamps * signs_.size());
     double bias_ = 0;
     std::vector<std::vector<double>> rows_;
@@ -127,14 +128,26 @@ painted::RandomPicture picture_for(unsigned number) {
     return painted::random_picture(number);
 }
 
-/// The cases of one picture, in the order told.
-std::vector<Case> cases_of(unsigned number) {
-    const auto picture = picture_for(number);
+/// Half hold a ball that moved and is hard for nothing else; the others, all that moved in a
+/// picture that may be hard, and pictures in which little did, so that what is but taken for a
+/// moved ball is among the cases.
+painted::RandomPicture moved_picture_for(unsigned number) {
+    if (number % 4 < 2) {
+        painted::Dice dice(number + 1);
+        const auto made = painted::moving_picture(number, dice.log_uniform(0.05, 0.42));
+        return {made.photo, {made.outline}, "mirror-moving"};
+    }
+    if (number % 4 == 2) return painted::random_picture(number, 280, 560, true);
+    return painted::random_picture(number, 200, 500);
+}
+
+/// The cases of one picture, in the order told: of what stood still, or of what moved.
+std::vector<Case> cases_of(unsigned number, bool moved) {
+    const auto picture = moved ? moved_picture_for(number) : picture_for(number);
     std::vector<Case> cases;
     std::vector<Outline> found;
     for (const Candidate& c : find_balls(picture.photo)) {
-        // What moved is weighed elsewhere, see src/detect/moving.cpp.
-        if (c.motion.length2() > 0) continue;
+        if ((c.motion.length2() > 0) != moved) continue;
         // The signs are weighed as if the better candidates in the same place were wrong.
         if (std::any_of(found.begin(), found.end(),
                         [&](const Outline& o) { return overlap(o, c.outline); }))
@@ -174,7 +187,7 @@ CasesByPicture kept_in(const std::string& file) {
 
 /// `count` pictures from `first` on, or with a count of 0 those in the file; those that the file
 /// does not hold are made and added to it.
-CasesByPicture all_cases(unsigned first, int count, const std::string& file) {
+CasesByPicture all_cases(unsigned first, int count, const std::string& file, bool moved) {
     CasesByPicture cases = kept_in(file);
     if (count == 0) return cases;
     cases.erase(cases.begin(), cases.lower_bound(first));
@@ -186,7 +199,7 @@ CasesByPicture all_cases(unsigned first, int count, const std::string& file) {
     for_each_band(count, 1, [&](int from, int to) {
         for (unsigned i = first + unsigned(from); i < first + unsigned(to); ++i) {
             if (before.contains(i)) continue;
-            auto some = cases_of(i);
+            auto some = cases_of(i, moved);
             const std::lock_guard lock(mutex);
             for (const Case& c : some) {
                 out << i << ' ' << c.right << ' ' << c.weight;
@@ -208,25 +221,28 @@ int main(int count, char** values) {
     using namespace chromeball;
     const int pictures = count > 1 ? std::atoi(values[1]) : 6000;
     const int first = count > 2 ? std::atoi(values[2]) : 100000;
+    const bool moved = std::string(values[count - 1]) == "moved";
     const auto by_picture =
-        all_cases(unsigned(first), pictures, count > 3 ? values[3] : "cases.txt");
+        all_cases(unsigned(first), pictures, count > 3 ? values[3] : "cases.txt", moved);
     std::vector<Case> cases;
     for (const auto& [number, some] : by_picture)
         cases.insert(cases.end(), some.begin(), some.end());
-    const Fit fit(cases);
+    const Fit fit(cases, moved ? moved_signs() : all_signs(), !moved);
     std::printf(
-        "// Written by tests/detect/fit_confidence.cpp (see README.md there), as by\n"
-        "//     fit_confidence %zu %u cases.txt\n"
-        "// from random pictures %u to %u: %zu candidates that stood still, %ld of them right.\n\n"
+        "// Written by tests/detect/fit_confidence.cpp (see README.md there) from %zu of the "
+        "random\n"
+        "// pictures %u to %u: %zu candidates that %s, %ld of them right.\n\n"
         "#include \"detect/weights.h\"\n\n"
         "namespace chromeball::detecting {\nnamespace {\n\n",
-        by_picture.size(), by_picture.begin()->first, by_picture.begin()->first,
-        by_picture.rbegin()->first, fit.cases(), fit.right());
+        by_picture.size(), by_picture.begin()->first, by_picture.rbegin()->first, fit.cases(),
+        moved ? "seemed to have moved" : "stood still", fit.right());
     fit.print();
     std::printf(
         "}  // namespace\n\n"
-        "const Weights& weights() {\n"
-        "    static constexpr Weights kWeights{kBias, kGains};\n"
+        "const Weights& %s() {\n"
+        "    static const Weights kWeights{%s(), kBias, kGains, %s};\n"
         "    return kWeights;\n}\n\n"
-        "}  // namespace chromeball::detecting\n");
+        "}  // namespace chromeball::detecting\n",
+        moved ? "moved_weights" : "weights", moved ? "moved_signs" : "all_signs",
+        moved ? "false" : "true");
 }

@@ -15,6 +15,7 @@ struct Moving {
     Outline outline;  ///< in the middle of the exposure
     V2d motion;       ///< pixels, from shutter open to close
     double noise;     ///< codes
+    Camera camera;
 };
 
 constexpr int kTimes = 40;  // shutter positions; spread over the pixel too
@@ -34,6 +35,7 @@ inline Moving moving_picture(unsigned seed, double part) {
     const double x = dice.uniform(reach, w - reach), y = dice.uniform(reach, h - reach);
     scene.centre = V3d((x - 0.5 * w) / f, (0.5 * h - y) / f, -1) * (f / radius);
     made.outline = scene.outline();
+    made.camera = scene.camera;
     const Outline rim = made.outline;
     const double heading = dice.uniform(0, 2 * std::numbers::pi);
     made.motion = V2d(std::cos(heading), std::sin(heading)) * (part * radius);
