@@ -187,10 +187,10 @@ void look_along(const Raster<std::uint16_t>& picture, const std::vector<Line>& l
     }
 }
 
-constexpr double kIndependent = 0.5;   // of the profiles: neighbours err alike
-constexpr double kBesideWeight = 0.5;  // of profiles across the rim, which are closer together
-constexpr double kOutlier = 0.1;       // likelihood of a profile that shows something else
-constexpr double kFinest = 0.7;        // pixels: finer samples share their pixels' noise
+constexpr double kIndependent = 0.5;  // of the profiles: neighbours err alike
+constexpr double kBesideWeight = 1;   // of profiles across the rim, which are closer together
+constexpr double kOutlier = 0.1;      // likelihood of a profile that shows something else
+constexpr double kFinest = 0.7;       // pixels: finer samples share their pixels' noise
 
 /// What shows about the rim that a guess expects: profiles along the motion, and across the rim
 /// where it runs along.
@@ -273,8 +273,8 @@ public:
 private:
     double unlikely(const Change& c) const {
         constexpr double kOutlineSpread = 0.05;  // of the radius
-        constexpr double kLengthSpread = 0.015;  // of the motion's logarithm
-        constexpr double kTurnSpread = 0.01;     // radians
+        constexpr double kLengthSpread = 0.01;   // of the motion's logarithm
+        constexpr double kTurnSpread = 0.004;    // radians
         Guess now = look_.guess;
         now.take(c);
         const double part = std::max(now.half_motion / first_.half_motion, 0.01);

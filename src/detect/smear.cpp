@@ -25,7 +25,7 @@ struct Surroundings {
     double noise;
 };
 constexpr std::array<Surroundings, 6> kSurroundings{
-    {{3e-3, 1e-4}, {3e-3, 1e-3}, {3e-3, 3e-2}, {0.05, 1e-4}, {0.05, 1e-3}, {0.05, 3e-2}}};
+    {{3e-3, 1e-4}, {3e-3, 1e-3}, {3e-3, 3e-2}, {3e-3, 0.3}, {0.05, 1e-3}, {0.05, 3e-2}}};
 constexpr std::array<double, 4> kNoises{1e-4, 1e-3, 3e-2, 0.3};  // where there is no rim
 
 template <std::size_t N>
