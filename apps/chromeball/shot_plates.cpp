@@ -21,6 +21,10 @@ namespace fs = std::filesystem;
 /// Much more than any header.
 constexpr std::size_t kDigested = 64 * 1024;
 
+void check_whole(const Photo& photo) {
+    if (!photo.damage.empty()) throw Error(Error::Kind::failed, damage_warning(photo));
+}
+
 }  // namespace
 
 Plates::Plates(const std::string& typed) : typed_(typed) {
@@ -82,7 +86,7 @@ Photo Plates::header(int frame, const ReadOptions& options) const {
 Photo Plates::read(int frame, const ReadOptions& options) const {
     if (!pattern_) return clip_->read(frame - 1);
     Photo photo = read_photo(pattern_->path(frame), options);
-    if (!photo.damage.empty()) throw Error(Error::Kind::failed, damage_warning(photo));
+    check_whole(photo);
     return photo;
 }
 
@@ -92,7 +96,7 @@ Photo Plates::part(int frame, const Window& window, std::int64_t max_pixels) con
     const auto take = [&](const Photo& band) { copy_shared(band, part); };
     if (pattern_) {
         options.bands = take;
-        read_photo(pattern_->path(frame), options);
+        check_whole(read_photo(pattern_->path(frame), options));
     } else {
         take(clip_->read(frame - 1));
     }
