@@ -176,7 +176,8 @@ WriteReport write(const MergeOptions& o, FileFormat format, Image pixels, const 
     return write_image(o.output, pixels.view(), options);
 }
 
-void tell_result(const MergeOptions& o, const Merged& merged, const Console& console) {
+void tell_result(const MergeOptions& o, const Bracket& bracket, const Merged& merged,
+                 const Console& console) {
     const auto all = merged.pixels.size().pixels();
     if (merged.clipped_everywhere == all || merged.black_everywhere == all)
         throw Error(Error::Kind::failed,
@@ -197,11 +198,11 @@ void tell_result(const MergeOptions& o, const Merged& merged, const Console& con
         if (merged.moved[k] > 0)
             console.say(
                 fmt::format("{}: left out in {:.2f} % of the picture, where something moved",
-                            o.photos[k], 100 * merged.moved[k]));
+                            bracket.exposed[k].name, 100 * merged.moved[k]));
 }
 
 /// Stops are told against the anchor.
-MergeReport report_of(const MergeOptions& o, const Bracket& bracket, const Solved& solved,
+MergeReport report_of(const Bracket& bracket, const Solved& solved,
                       std::span<const MergePhoto> photos, double anchor, const Merged& merged) {
     MergeReport report;
     report.clipped_everywhere = merged.clipped_everywhere;
@@ -210,7 +211,7 @@ MergeReport report_of(const MergeOptions& o, const Bracket& bracket, const Solve
     for (std::size_t k = 0; k < photos.size(); ++k) {
         std::optional<double> told;
         if (bracket.told[k]) told = *bracket.told[k] - anchor;
-        report.photos.push_back({o.photos[k], std::log2(photos[k].exposure), told,
+        report.photos.push_back({bracket.exposed[k].name, std::log2(photos[k].exposure), told,
                                  photos[k].shift.x, photos[k].shift.y, merged.moved[k]});
     }
     return report;
@@ -232,17 +233,28 @@ struct Known {
     Placed placed;
     Solved solved;
     std::vector<double> stops;
+    std::vector<std::string> left_out;  ///< files, which are no longer in the bracket
 };
 
-Known solved_bracket(const MergeOptions& o, const Bracket& bracket, const Console& console) {
-    std::vector<int> order = order_of(bracket);
+Known solved_bracket(const MergeOptions& o, Bracket& bracket, const Console& console) {
+    std::vector<int> order;
     Known known;
-    known.reference = order[(order.size() - 1) / 2];
     Placed& placed = known.placed;
-    placed.moves.assign(bracket.photos.size(), V2d(0, 0));
-    if (!o.no_align)
+    const auto place = [&] {
+        order = order_of(bracket);
+        known.reference = order[(order.size() - 1) / 2];
         placed = placed_photos(o.ball, bracket, order, known.reference, console);
-    else if (o.reflectance)
+    };
+    if (!o.no_align) {
+        place();
+        known.left_out = leave_out_unlike(bracket, placed, console);
+        if (!known.left_out.empty()) place();
+    } else {
+        order = order_of(bracket);
+        known.reference = order[(order.size() - 1) / 2];
+        placed.moves.assign(bracket.photos.size(), V2d(0, 0));
+    }
+    if (o.no_align && o.reflectance)
         placed.balls = alike_balls(o.ball, bracket, known.reference, console);
     const auto patches = even_patches(bracket.exposed, placed.moves, console.watch("measuring"));
     known.solved = solve(o.response, bracket, patches);
@@ -267,7 +279,7 @@ void run_merge(const MergeOptions& o) {
     if (o.output_space && !colors.is_linear(colors.space(*o.output_space)))
         refuse(fmt::format("--output-space {}: merged light is linear; name a linear space",
                            *o.output_space));
-    const Bracket bracket =
+    Bracket bracket =
         read_bracket(o.photos, times, o.color.input_space, o.max_pixels, colors, console);
 
     const Known known = solved_bracket(o, bracket, console);
@@ -277,13 +289,14 @@ void run_merge(const MergeOptions& o) {
         photos.push_back(
             {bracket.exposed[k], std::exp2(known.stops[k] - anchor.stops), known.placed.moves[k]});
     Merged merged = merge(photos, known.solved.fit.response, console.watch("merging"));
-    tell_result(o, merged, console);
+    tell_result(o, bracket, merged, console);
     const WriteReport written =
         write(o, format, std::move(merged.pixels), bracket, known.reference,
               merged_ball(known.placed, known.reference), anchor, colors, console);
     if (written.clamped > 0) console.warn(clamp_warning(o.output, written.clamped, format));
 
-    const MergeReport report = report_of(o, bracket, known.solved, photos, anchor.stops, merged);
+    MergeReport report = report_of(bracket, known.solved, photos, anchor.stops, merged);
+    report.left_out = known.left_out;
     for (const auto& photo : report.photos)
         console.say(fmt::format("{}: {:+.2f} stops", photo.file, photo.exposure_stops));
     if (o.json) print_result(to_json(report));

@@ -52,15 +52,14 @@ void keep_alike(std::vector<std::optional<Outline>>& balls) {
         if (ball && std::abs(radius(*ball) / usual - 1) > 0.05) ball.reset();
 }
 
-AlignOptions align_options(const std::vector<std::optional<Outline>>& balls, int reference,
-                           Size size) {
+AlignOptions align_options(const std::vector<std::optional<Outline>>& balls, bool searched,
+                           int reference, Size size) {
     AlignOptions options;
     const auto& here = balls[at(reference)];
     if (!here) return options;
     const Outline wide{here->cx, here->cy, 1.1 * here->a, 1.1 * here->b, here->angle};
     options.region = needed_window(wide, {0, 0, size});
     // Told for one it is about there in all; not found in one, the ball is not well shown there.
-    const bool searched = std::ranges::count_if(balls, [](const auto& b) { return !!b; }) > 1;
     for (const auto& ball : balls) options.whole.push_back(searched && !ball);
     for (const auto& ball : balls)
         options.hints.push_back(ball ? std::optional(V2d(ball->cx - here->cx, ball->cy - here->cy))
@@ -117,11 +116,40 @@ Placed placed_photos(const std::optional<std::string>& told, const Bracket& brac
             console.say(
                 fmt::format("{}: its ball is lost; it is laid on the others by the whole picture",
                             bracket.exposed[k].name));
-    placed.options = align_options(placed.balls, reference, bracket.size());
+    placed.options = align_options(placed.balls, !told, reference, bracket.size());
     placed.shifts = align(bracket.exposed, order, reference, bracket.response, placed.options,
                           console.watch("aligning"));
     take_moves(placed);
     return placed;
+}
+
+std::vector<std::string> leave_out_unlike(Bracket& bracket, const Placed& placed,
+                                          const Console& console) {
+    std::vector<std::string> names;
+    Bracket kept = bracket;
+    kept.photos.clear(), kept.exposed.clear(), kept.tags.clear(), kept.told.clear();
+    for (std::size_t k = 0; k < placed.shifts.size(); ++k) {
+        if (placed.shifts[k].unlike) {
+            names.push_back(bracket.exposed[k].name);
+            continue;
+        }
+        kept.photos.push_back(bracket.photos[k]);
+        kept.exposed.push_back(bracket.exposed[k]);
+        kept.tags.push_back(bracket.tags[k]);
+        kept.told.push_back(bracket.told[k]);
+    }
+    if (kept.photos.size() < 2)
+        throw Error(Error::Kind::failed,
+                    fmt::format("{}: shows something else than the other photos; name exposures of "
+                                "one view",
+                                names.front()));
+    for (const std::string& name : names)
+        console.warn(
+            fmt::format("{}: shows something else than the others; it is left out (--no-align "
+                        "takes it as it lies)",
+                        name));
+    if (!names.empty()) bracket = std::move(kept);
+    return names;
 }
 
 void place_again(Placed& placed, const Bracket& bracket, const std::vector<int>& order,

@@ -32,6 +32,11 @@ std::vector<std::optional<Outline>> alike_balls(const std::optional<std::string>
 Placed placed_photos(const std::optional<std::string>& told, const Bracket& bracket,
                      const std::vector<int>& order, int reference, const Console& console);
 
+/// Takes photos out of a bracket that show something else than the others, and warns of them; their
+/// names. Throws Error where no two show the same.
+std::vector<std::string> leave_out_unlike(Bracket& bracket, const Placed& placed,
+                                          const Console& console);
+
 /// Once more, with the response that was found meanwhile.
 void place_again(Placed& placed, const Bracket& bracket, const std::vector<int>& order,
                  int reference, const Response& response, const Console& console);

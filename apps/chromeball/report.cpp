@@ -109,6 +109,7 @@ std::string to_json(const MergeReport& r) {
              {"moved", rounded(p.moved, 1e4)}});
     }
     const Json j{{"photos", photos},
+                 {"left_out", r.left_out},
                  {"clipped_everywhere", r.clipped_everywhere},
                  {"black_everywhere", r.black_everywhere},
                  {"response", r.response}};

@@ -43,6 +43,7 @@ struct MergedPhotoReport {
 
 struct MergeReport {
     std::vector<MergedPhotoReport> photos;  ///< as given
+    std::vector<std::string> left_out;      ///< files that show something else
     std::size_t clipped_everywhere = 0;
     std::size_t black_everywhere = 0;
     std::string response;  ///< "linear", "assumed", "solved"

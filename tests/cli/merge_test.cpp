@@ -251,6 +251,29 @@ TEST_F(Merge, ThePhotoWhoseBallIsLostIsLaidOnTheOthersByThePicture) {
     EXPECT_NEAR(shift[1], -2, 0.5);
 }
 
+TEST_F(Merge, APhotoOfSomethingElseIsLeftOut) {
+    Image other(kSize, 3);
+    for (int y = 0; y < kSize.height; ++y)
+        for (int x = 0; x < kSize.width; ++x)
+            std::fill_n(other.pixel(x, y), 3,
+                        0.05F + 0.02F * static_cast<float>((x / 17 * 7 + y / 13 * 5) % 11));
+    write_take(folder / "a.jpg", other, 250.0 / 400, 1.0 / 400);
+    const Outcome outcome =
+        merge(with({"a.jpg", "b.jpg", "c.jpg", "-o", "out.exr", "--json"}, kLinear));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(outcome.says("a.jpg: shows something else than the others; it is left out"))
+        << outcome.err;
+    const json told = json::parse(outcome.out);
+    EXPECT_EQ(told.at("left_out"), json::array({"a.jpg"}));
+    ASSERT_EQ(told.at("photos").size(), 2U);
+    EXPECT_EQ(told.at("photos")[0].at("file"), "b.jpg");
+    EXPECT_LT(told.at("photos")[0].at("moved"), 0.1);
+    EXPECT_LT(error_of("out.exr").median, 0.06);
+    // Of two nobody can say which is the right one.
+    expect_refusal(folder, with({"merge", "a.jpg", "b.jpg", "-o", "none.exr"}, kLinear), 1,
+                   {".jpg: shows something else", "exposures of one view"});
+}
+
 TEST_F(Merge, TheBracketWhoseBallIsLostInOneExposureIsMerged) {
     // The one in the repository: the ball of the longest exposure is all but clipped.
     const Words words{
