@@ -24,7 +24,8 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/chromeballConfigVersion.c
 install(FILES
     ${PROJECT_BINARY_DIR}/chromeballConfig.cmake ${PROJECT_BINARY_DIR}/chromeballConfigVersion.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindOpenCVCore.cmake ${PROJECT_SOURCE_DIR}/cmake/FindOpenColorIOConfig.cmake
-    ${PROJECT_SOURCE_DIR}/cmake/FindISAL.cmake ${PROJECT_SOURCE_DIR}/cmake/FindLibExif.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindISAL.cmake ${PROJECT_SOURCE_DIR}/cmake/FindLibDeflate.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/FindLibExif.cmake
     DESTINATION ${package_dir})
 
 # The program has the config inside; the file is for other programs to use the same colours.

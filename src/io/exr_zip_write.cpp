@@ -1,16 +1,15 @@
 #include "io/exr_zip_write.h"
 
-#include <isa-l/igzip_lib.h>
+#include <libdeflate.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <new>
 #include <numeric>
-#include <stdexcept>
 
 #include "core/parallel.h"
-#include "io/isal.h"
 
 namespace chromeball::io {
 namespace {
@@ -18,6 +17,10 @@ namespace {
 using Byte = std::uint8_t;
 
 constexpr int kRows = 16;  // of a chunk, as the format has it
+
+/// The fastest. Not ISA-L's, four times as fast for a tenth more bytes: of 5000 chunks one came out
+/// otherwise than before, a shot's frames must not.
+constexpr int kLevel = 1;
 
 /// Chunks that a thread makes in the same memory.
 constexpr int kTogether = 4;
@@ -39,7 +42,9 @@ public:
           words_(values.row_bytes() / 2),
           // Where deflating does not shrink it, it is not used.
           deflated_(std::make_unique_for_overwrite<Byte[]>(most_)),
-          memory_(std::make_unique_for_overwrite<Byte[]>(ISAL_DEF_LVL1_DEFAULT)) {}
+          compressor_(::libdeflate_alloc_compressor(kLevel)) {
+        if (!compressor_) throw std::bad_alloc();
+    }
 
     /// The rows first to last: the first one's number, the length of what follows, and that.
     void make(int first, int last, Bytes& out, WriteReport& report) {
@@ -105,24 +110,15 @@ private:
 
     /// Bytes of the zlib stream; 0 where it would not be shorter.
     std::size_t deflate(std::size_t length) {
-        isal_zstream stream;
-        ::isal_deflate_init(&stream);
-        stream.level = 1;
-        stream.level_buf = memory_.get();
-        stream.level_buf_size = ISAL_DEF_LVL1_DEFAULT;
-        stream.gzip_flag = IGZIP_ZLIB;
-        stream.end_of_stream = 1;
-        stream.flush = NO_FLUSH;
-        stream.next_in = differences_.get();
-        stream.avail_in = static_cast<std::uint32_t>(length);
-        stream.next_out = deflated_.get();
-        stream.avail_out = static_cast<std::uint32_t>(length - 1);
-        const int result = ::isal_deflate(&stream);
-        clear_upper_halves();
-        if (result != COMP_OK) throw std::runtime_error("deflate failed");
-        const bool all = stream.internal_state.state == ZSTATE_END;
-        return all ? stream.total_out : 0;
+        return ::libdeflate_zlib_compress(compressor_.get(), differences_.get(), length,
+                                          deflated_.get(), length - 1);
     }
+
+    struct Free {
+        void operator()(libdeflate_compressor* compressor) const {
+            ::libdeflate_free_compressor(compressor);
+        }
+    };
 
     const Values& values_;
     const std::vector<std::size_t>& order_;
@@ -130,7 +126,8 @@ private:
     std::unique_ptr<std::byte[]> rows_;
     std::unique_ptr<Byte[]> split_, differences_;
     std::vector<std::uint16_t> words_;
-    std::unique_ptr<Byte[]> deflated_, memory_;
+    std::unique_ptr<Byte[]> deflated_;
+    std::unique_ptr<libdeflate_compressor, Free> compressor_;
 };
 
 /// Places of the channels in the values, by their names.
