@@ -51,8 +51,7 @@ std::vector<Verdict> random_verdicts(int first, int count) {
     std::vector<Verdict> verdicts(static_cast<std::size_t>(count));
     for_each_band(count, 1, [&](int from, int to) {
         for (int i = from; i < to; ++i) {
-            const auto picture =
-                painted::random_picture(static_cast<unsigned>(first + i), 150, 200);
+            const auto picture = painted::random_picture(static_cast<unsigned>(first + i));
             verdicts[static_cast<std::size_t>(i)] =
                 verdict_on(picture.photo, picture.balls, picture.kind);
         }
@@ -161,7 +160,7 @@ void print(const std::map<std::string, Counts>& kinds) {
 // CHROMEBALL_DETECT_PICTURES looks at so many random pictures, CHROMEBALL_DETECT_FIRST is the
 // number of the first (the weights were fitted on 100000 and up: see README.md).
 TEST(Reliability, ConfidenceIsTheChanceToBeRight) {
-    const int count = number_from("CHROMEBALL_DETECT_PICTURES", 500);
+    const int count = number_from("CHROMEBALL_DETECT_PICTURES", 300);
     const auto verdicts = random_verdicts(number_from("CHROMEBALL_DETECT_FIRST", 1), count);
     const Table best = table_of_best(verdicts), all = table_of_all(verdicts);
     print("The best candidate of each picture", best);
