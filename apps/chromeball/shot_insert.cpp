@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 
 #include "io/facts.h"
+#include "io/gltf.h"
 #include "io/lines.h"
 #include "io/write.h"
 #include "light_input.h"
@@ -55,23 +55,12 @@ SceneOptions scene_options(const InsertOptions& o) {
     return scene;
 }
 
-/// The files that a glTF keeps its points in; none of other formats' files, which hold their own.
-std::vector<std::string> buffers_of(const std::string& mesh, const std::string& text) {
-    const auto gltf = nlohmann::json::parse(text, nullptr, false);
-    std::vector<std::string> files;
-    if (!gltf.is_object() || !gltf.contains("buffers")) return files;
-    for (const auto& buffer : gltf["buffers"])
-        if (buffer.is_object() && buffer.value("uri", nlohmann::json()).is_string())
-            files.push_back((fs::path(mesh).parent_path() / buffer["uri"].get<std::string>()));
-    return files;
-}
-
 /// Of files by what they hold, of shapes by their names.
 std::string digest_of(const std::string& mesh) {
     if (!fs::is_regular_file(mesh)) return mesh;
     const std::string text = read_text(mesh);
     std::string digest = hash_of(text);
-    for (const std::string& file : buffers_of(mesh, text))
+    for (const std::string& file : gltf_buffers(mesh, text))
         if (fs::is_regular_file(file)) digest += hash_of(read_text(file));
     return digest;
 }

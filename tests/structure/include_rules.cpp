@@ -48,6 +48,7 @@ const Door kDoors[] = {
     {"zlib.h", {"io"}},
     {"isa-l/", {"io"}},
     {"jpeglib.h", {"io"}},
+    {"libdeflate", {"io"}},
     {"libexif/", {"io"}},
     {"immintrin.h", {"io"}},  // half floats
     {"nlohmann/", {"io", "shot", "apps"}},
