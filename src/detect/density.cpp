@@ -15,25 +15,38 @@ using Squares = std::array<float, kBatch>;
 /// One value of each profile of a batch: GCC's and Clang's vectors, on any processor.
 using Lanes [[gnu::vector_size(kBatch * sizeof(float))]] = float;
 
-/// The squared length of each whitened profile. A third of the search's time goes here, so there
-/// is a copy for each width of registers; the lanes do not meet, and products are not contracted
-/// (see CMakeLists.txt), so all give the same bits.
-template <std::size_t N>
-[[gnu::always_inline]] inline Squares whitened(const BatchOf<N>& batch,
-                                               const DensityOf<N>& density) {
+/// The squares of a batch's whitened samples, handed out in their order.
+template <std::size_t N, class Each>
+[[gnu::always_inline]] inline void whiten(const BatchOf<N>& batch, const DensityOf<N>& density,
+                                          Each each) {
     Lanes samples[N];
     std::memcpy(samples, batch.samples.data(), sizeof samples);
-    Lanes squares{};
     for (std::size_t i = 0; i < N; ++i) {
         Lanes sum{};
         const float* row = density.whiten.data() + i * (i + 1) / 2;
         for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
-        squares += sum * sum;
+        each(i, sum * sum);
     }
+}
+
+Squares stored(const Lanes& lanes) {
     Squares result;
-    std::memcpy(result.data(), &squares, sizeof squares);
+    std::memcpy(result.data(), &lanes, sizeof lanes);
     return result;
 }
+
+/// The squared length of each whitened profile.
+struct Whitened {
+    template <std::size_t N>
+    [[gnu::always_inline]] static Squares of(const BatchOf<N>& batch, const DensityOf<N>& density) {
+        Lanes squares{};
+        whiten(
+            batch, density, [&](std::size_t, const Lanes& square) __attribute__((always_inline)) {
+                squares += square;
+            });
+        return stored(squares);
+    }
+};
 
 /// Four at a time, for so many scales.
 constexpr std::size_t kScales = 4;
@@ -41,91 +54,67 @@ constexpr float kScaleStep = 0.25f;  // of the variance
 constexpr float kFreedom = 3;        // degrees of, in Student's distribution
 
 /// -2 log likelihoods but for the density's own determinant.
-template <std::size_t N>
-[[gnu::always_inline]] inline Squares robust_costs(const BatchOf<N>& batch,
-                                                   const DensityOf<N>& density) {
-    using Whole [[gnu::vector_size(kBatch * sizeof(float))]] = std::int32_t;
-    Lanes samples[N];
-    std::memcpy(samples, batch.samples.data(), sizeof samples);
-    Lanes squares[N];
-    Lanes all{};
-    for (std::size_t i = 0; i < N; ++i) {
-        Lanes sum{};
-        const float* row = density.whiten.data() + i * (i + 1) / 2;
-        for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
-        squares[i] = sum * sum;
-        all += squares[i];
-    }
-    Lanes variance = all / static_cast<float>(N) + 1e-30f;
-    Lanes least = variance;
-    for (std::size_t scale = 0; scale < kScales; ++scale) {
-        // The logarithm of a product: exponents are summed, mantissas multiplied.
-        const Lanes part = 1 / (kFreedom * variance);
-        Lanes product = variance * 0 + 1;
-        Whole exponents{};
-        for (std::size_t i = 0; i < N; ++i) {
-            product *= 1 + squares[i] * part;
-            if (i % 4 != 3 && i + 1 != N) continue;
-            Whole bits;
-            std::memcpy(&bits, &product, sizeof bits);
-            exponents += (bits >> 23) - 127;
-            bits = (bits & 0x7fffff) | 0x3f800000;
-            std::memcpy(&product, &bits, sizeof bits);
+struct RobustCosts {
+    template <std::size_t N>
+    [[gnu::always_inline]] static Squares of(const BatchOf<N>& batch, const DensityOf<N>& density) {
+        using Whole [[gnu::vector_size(kBatch * sizeof(float))]] = std::int32_t;
+        Lanes squares[N];
+        Lanes all{};
+        whiten(
+            batch, density, [&](std::size_t i, const Lanes& square) __attribute__((always_inline)) {
+                all += squares[i] = square;
+            });
+        Lanes variance = all / static_cast<float>(N) + 1e-30f;
+        Lanes least = variance;
+        for (std::size_t scale = 0; scale < kScales; ++scale) {
+            // The logarithm of a product: exponents are summed, mantissas multiplied.
+            const Lanes part = 1 / (kFreedom * variance);
+            Lanes product = variance * 0 + 1;
+            Whole exponents{};
+            for (std::size_t i = 0; i < N; ++i) {
+                product *= 1 + squares[i] * part;
+                if (i % 4 != 3 && i + 1 != N) continue;
+                Whole bits;
+                std::memcpy(&bits, &product, sizeof bits);
+                exponents += (bits >> 23) - 127;
+                bits = (bits & 0x7fffff) | 0x3f800000;
+                std::memcpy(&product, &bits, sizeof bits);
+            }
+            for (std::size_t r = 0; r < kBatch; ++r) {
+                const float sum =
+                    0.69314718f * static_cast<float>(exponents[r]) + std::log(product[r]);
+                const float cost =
+                    (kFreedom + 1) * sum + static_cast<float>(N) * std::log(variance[r]);
+                least[r] = scale == 0 ? cost : std::min(least[r], cost);
+            }
+            variance *= kScaleStep;
         }
-        for (std::size_t r = 0; r < kBatch; ++r) {
-            const float sum = 0.69314718f * static_cast<float>(exponents[r]) + std::log(product[r]);
-            const float cost = (kFreedom + 1) * sum + static_cast<float>(N) * std::log(variance[r]);
-            least[r] = scale == 0 ? cost : std::min(least[r], cost);
-        }
-        variance *= kScaleStep;
+        return stored(least);
     }
-    Squares result;
-    std::memcpy(result.data(), &least, sizeof least);
-    return result;
-}
+};
 
 #if defined(__x86_64__) && defined(__GNUC__)
-template <std::size_t N>
-[[gnu::target("avx2")]] Squares whitened_by_8(const BatchOf<N>& batch,
-                                              const DensityOf<N>& density) {
-    return whitened(batch, density);
+template <class Kernel, std::size_t N>
+[[gnu::target("avx2")]] Squares by_8(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    return Kernel::of(batch, density);
 }
-template <std::size_t N>
-[[gnu::target("avx512f")]] Squares whitened_by_16(const BatchOf<N>& batch,
-                                                  const DensityOf<N>& density) {
-    return whitened(batch, density);
-}
-template <std::size_t N>
-[[gnu::target("avx2")]] Squares robust_by_8(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    return robust_costs(batch, density);
-}
-template <std::size_t N>
-[[gnu::target("avx512f")]] Squares robust_by_16(const BatchOf<N>& batch,
-                                                const DensityOf<N>& density) {
-    return robust_costs(batch, density);
-}
-template <std::size_t N>
-Squares squares_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    if (__builtin_cpu_supports("avx512f")) return whitened_by_16(batch, density);
-    if (__builtin_cpu_supports("avx2")) return whitened_by_8(batch, density);
-    return whitened(batch, density);
-}
-template <std::size_t N>
-Squares robust_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    if (__builtin_cpu_supports("avx512f")) return robust_by_16(batch, density);
-    if (__builtin_cpu_supports("avx2")) return robust_by_8(batch, density);
-    return robust_costs(batch, density);
-}
-#else
-template <std::size_t N>
-Squares squares_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    return whitened(batch, density);
-}
-template <std::size_t N>
-Squares robust_of(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    return robust_costs(batch, density);
+template <class Kernel, std::size_t N>
+[[gnu::target("avx512f")]] Squares by_16(const BatchOf<N>& batch, const DensityOf<N>& density) {
+    return Kernel::of(batch, density);
 }
 #endif
+
+/// A third of the search's time goes here, so there is a copy of a kernel for each width of
+/// registers; the lanes do not meet, and products are not contracted (see CMakeLists.txt), so all
+/// give the same bits.
+template <class Kernel, std::size_t N>
+Squares by_widest(const BatchOf<N>& batch, const DensityOf<N>& density) {
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx512f")) return by_16<Kernel>(batch, density);
+    if (__builtin_cpu_supports("avx2")) return by_8<Kernel>(batch, density);
+#endif
+    return Kernel::of(batch, density);
+}
 
 }  // namespace
 
@@ -187,7 +176,7 @@ bool normalise(ProfileOf<N>& profile) {
 
 template <std::size_t N>
 void LeastOf<N>::take(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    const Squares squares = squares_of(batch, density);
+    const Squares squares = by_widest<Whitened>(batch, density);
     for (std::size_t r = 0; r < kBatch; ++r)
         squares_[r] = std::min(squares_[r], density.gain * squares[r]);
 }
@@ -202,7 +191,7 @@ std::array<float, kBatch> LeastOf<N>::costs() const {
 
 template <std::size_t N>
 void RobustLeastOf<N>::take(const BatchOf<N>& batch, const DensityOf<N>& density) {
-    const Squares costs = robust_of(batch, density);
+    const Squares costs = by_widest<RobustCosts>(batch, density);
     const float own = static_cast<float>(N) * std::log(density.gain);
     for (std::size_t r = 0; r < kBatch; ++r) costs_[r] = std::min(costs_[r], costs[r] + own);
 }
