@@ -240,22 +240,23 @@ Known solved_bracket(const MergeOptions& o, Bracket& bracket, const Console& con
     std::vector<int> order;
     Known known;
     Placed& placed = known.placed;
-    const auto place = [&] {
+    const auto arrange = [&] {
         order = order_of(bracket);
         known.reference = order[(order.size() - 1) / 2];
+    };
+    const auto place = [&] {
+        arrange();
         placed = placed_photos(o.ball, bracket, order, known.reference, console);
     };
-    if (!o.no_align) {
+    if (o.no_align) {
+        arrange();
+        placed.moves.assign(bracket.photos.size(), V2d(0, 0));
+        if (o.reflectance) placed.balls = alike_balls(o.ball, bracket, known.reference, console);
+    } else {
         place();
         known.left_out = leave_out_unlike(bracket, placed, console);
         if (!known.left_out.empty()) place();
-    } else {
-        order = order_of(bracket);
-        known.reference = order[(order.size() - 1) / 2];
-        placed.moves.assign(bracket.photos.size(), V2d(0, 0));
     }
-    if (o.no_align && o.reflectance)
-        placed.balls = alike_balls(o.ball, bracket, known.reference, console);
     const auto patches = even_patches(bracket.exposed, placed.moves, console.watch("measuring"));
     known.solved = solve(o.response, bracket, patches);
     known.stops = final_stops(bracket, known.solved.fit, console);
