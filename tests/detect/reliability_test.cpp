@@ -160,7 +160,7 @@ void print(const std::map<std::string, Counts>& kinds) {
 // CHROMEBALL_DETECT_PICTURES looks at so many random pictures, CHROMEBALL_DETECT_FIRST is the
 // number of the first (the weights were fitted on 100000 and up: see README.md).
 TEST(Reliability, ConfidenceIsTheChanceToBeRight) {
-    const int count = number_from("CHROMEBALL_DETECT_PICTURES", 240);
+    const int count = number_from("CHROMEBALL_DETECT_PICTURES", 160);
     const auto verdicts = random_verdicts(number_from("CHROMEBALL_DETECT_FIRST", 1), count);
     const Table best = table_of_best(verdicts), all = table_of_all(verdicts);
     print("The best candidate of each picture", best);
