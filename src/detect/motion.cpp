@@ -23,6 +23,9 @@
 // and where the background is gone; and what was seen once inside is not news the second time.
 // Where the rim runs along the motion it is nearly sharp, and profiles across it say the same with
 // the part of the motion that goes across.
+//
+// A shutter averages light, not codes: the profiles along the motion are of light. What the others
+// show is a rim almost as sharp as a ball's that stood still, for which codes serve as well.
 
 namespace chromeball::detecting {
 namespace {
@@ -148,9 +151,10 @@ std::vector<Line> lines_across(const Guess& guess, int side, double step) {
     return lines;
 }
 
-/// Each sample is the mean over its step, as far as pixels tell.
-template <std::size_t N>
-ProfileOf<N> profile_of(const Raster<std::uint16_t>& picture, const Line& line) {
+/// Each sample is the mean over its step, as far as pixels tell, of what `value` makes of codes.
+template <std::size_t N, class Value>
+ProfileOf<N> profile_of(const Raster<std::uint16_t>& picture, const Line& line,
+                        const Value& value) {
     const int taps = std::clamp(static_cast<int>(std::ceil(line.step / 1.2)), 1, 8);
     ProfileOf<N> profile{};
     for (std::size_t k = 0; k < N; ++k)
@@ -158,20 +162,19 @@ ProfileOf<N> profile_of(const Raster<std::uint16_t>& picture, const Line& line) 
             const double at =
                 static_cast<double>(k) - static_cast<double>(N / 2) + (tap + 0.5) / taps - 0.5;
             const V2d p = line.at + line.outwards * (at * line.step);
-            profile[k] += sample(picture, p.x, p.y, [](std::uint16_t code) {
-                return static_cast<float>(code) * (1 / 65535.f);
-            });
+            profile[k] += sample(picture, p.x, p.y, value);
         }
     return profile;
 }
 
 /// Averages neighbours, which show the same rim, as far as `wide` of the lines' distance, and takes
 /// one line in kDense. Those that leave the picture are left out.
-template <std::size_t N>
-void look_along(const Raster<std::uint16_t>& picture, const std::vector<Line>& lines, double wide,
-                std::vector<Line>& used, std::vector<ProfileOf<N>>& profiles_used) {
+template <std::size_t N, class Value>
+void look_along(const Raster<std::uint16_t>& picture, const Value& value,
+                const std::vector<Line>& lines, double wide, std::vector<Line>& used,
+                std::vector<ProfileOf<N>>& profiles_used) {
     std::vector<ProfileOf<N>> profiles;
-    for (const Line& line : lines) profiles.push_back(profile_of<N>(picture, line));
+    for (const Line& line : lines) profiles.push_back(profile_of<N>(picture, line, value));
     const int count = static_cast<int>(lines.size()), reach = cvRound(2 * wide * kDense);
     for (int i = kDense / 2; i < count; i += kDense) {
         ProfileOf<N> mean{};
@@ -187,9 +190,10 @@ void look_along(const Raster<std::uint16_t>& picture, const std::vector<Line>& l
     }
 }
 
-constexpr double kIndependent = 0.5;  // of the profiles: neighbours err alike
-constexpr double kBesideWeight = 1;   // of profiles across the rim, which are closer together
-constexpr double kOutlier = 0.1;      // likelihood of a profile that shows something else
+// What, with the kinds of profiles in smear.cpp, gives true places the most likelihood on painted
+// pictures.
+constexpr double kIndependent = 0.3;  // of a profile's samples: they are less so than is assumed
+constexpr double kOutlier = 0.05;     // of the profiles: show something else, anywhere
 constexpr double kFinest = 0.7;       // pixels: finer samples share their pixels' noise
 
 /// What shows about the rim that a guess expects: profiles along the motion, and across the rim
@@ -201,25 +205,42 @@ struct Look {
     std::vector<Line> lines_beside;
     std::vector<BesideVoice> beside;
     double known = 0;  ///< part of the lines along the motion that lie in the picture
+    /// Likelihoods, by line, of a profile that shows something else.
+    std::vector<double> other, other_beside;
 };
 
+/// Of one that shows its rim at any place alike.
+template <class Voice>
+double other_than(const Voice& voice, double half_motion) {
+    return kOutlier / (1 - kOutlier) * voice.openness(half_motion, kIndependent);
+}
+
 /// With samples no finer than told, pixels.
-Look look_at(const Raster<std::uint16_t>& picture, const Guess& guess, double finest,
-             double step_beside) {
+Look look_at(const Grey& picture, const Guess& guess, double finest, double step_beside) {
     constexpr int kLines = 36;
     constexpr double kWide = 0.5, kWideBeside = 1;  // of the lines' distance
     const double step = std::max(finest, guess.half_motion / kSmearSamples);
-    Look look{guess, {}, {}, {}, {}, 0};
+    const auto light = [&](std::uint16_t code) { return picture.linear[code]; };
+    const auto code = [](std::uint16_t value) { return static_cast<float>(value) * (1 / 65535.f); };
+    Look look{guess, {}, {}, {}, {}, 0, {}, {}};
     std::vector<ProfileOf<kManySamples>> along;
     std::vector<Profile> beside;
     for (const int side : {1, -1}) {
-        look_along(picture, lines_along(guess, side, step, kLines), kWide, look.lines, along);
-        look_along(picture, lines_across(guess, side, step_beside), kWideBeside, look.lines_beside,
-                   beside);
+        look_along(picture.pixels, light, lines_along(guess, side, step, kLines), kWide, look.lines,
+                   along);
+        look_along(picture.pixels, code, lines_across(guess, side, step_beside), kWideBeside,
+                   look.lines_beside, beside);
     }
     look.voices = smear_voices(along, guess.half_motion / step);
     look.beside = beside_voices(beside);
     look.known = static_cast<double>(look.lines.size()) / (2 * kLines);
+    for (const SmearVoice& voice : look.voices)
+        look.other.push_back(other_than(voice, guess.half_motion / step));
+    for (std::size_t i = 0; i < look.beside.size(); ++i) {
+        const Line& line = look.lines_beside[i];
+        const double length = guess.half_motion * smear_of(line, guess.shape.radius, {});
+        look.other_beside.push_back(other_than(look.beside[i], length / line.step));
+    }
     return look;
 }
 
@@ -239,14 +260,14 @@ public:
     double seen(const Change& c) const {
         double sum = 0;
         for (std::size_t i = 0; i < look_.voices.size(); ++i)
-            sum -= std::log(std::exp(-0.5 * kIndependent * cost(i, c)) + kOutlier);
+            sum -= std::log(std::exp(-0.5 * kIndependent * cost(i, c)) + look_.other[i]);
         const double r = look_.guess.shape.radius;
         for (std::size_t i = 0; i < look_.beside.size(); ++i) {
             const Line& line = look_.lines_beside[i];
             const double length = (look_.guess.half_motion + c.half_motion) * smear_of(line, r, c);
             const double cost =
                 look_.beside[i].cost(length / line.step, place_of(line, r, c) / line.step);
-            sum -= kBesideWeight * std::log(std::exp(-0.5 * kIndependent * cost) + kOutlier);
+            sum -= std::log(std::exp(-0.5 * kIndependent * cost) + look_.other_beside[i]);
         }
         return sum;
     }
@@ -268,9 +289,36 @@ public:
         fit.clear = clear / count;
         fit.amiss = outer / count;
         fit.known = look_.known;
+        fit.certain = certainty(c);
     }
 
 private:
+    /// See MotionFit.
+    double certainty(const Change& c) const {
+        constexpr double kOff = 0.02;  // of the radius
+        constexpr std::array<std::array<double, 3>, 9> kWays{{{1, 0, 0},
+                                                              {0, 1, 0},
+                                                              {0, 0, 1},
+                                                              {1, 1, 0},
+                                                              {1, -1, 0},
+                                                              {1, 0, 1},
+                                                              {1, 0, -1},
+                                                              {0, 1, 1},
+                                                              {0, 1, -1}}};
+        double least = 1e30;
+        for (const auto& way : kWays)
+            for (const double side : {-1.0, 1.0}) {
+                const double off =
+                    side * kOff * look_.guess.shape.radius / std::hypot(way[0], way[1], way[2]);
+                Change other = c;
+                other.along += off * way[0];
+                other.across += off * way[1];
+                other.radius += off * way[2];
+                least = std::min(least, seen(other));
+            }
+        return least - seen(c);
+    }
+
     double unlikely(const Change& c) const {
         constexpr double kOutlineSpread = 0.05;  // of the radius
         constexpr double kLengthSpread = 0.01;   // of the motion's logarithm
@@ -302,11 +350,11 @@ private:
 
 /// The best of a coarse grid: likelihoods of textured pictures have many tops.
 std::vector<Change> starts_of(const Misfit& misfit, double radius) {
-    constexpr std::size_t kStarts = 4;
+    constexpr std::size_t kStarts = 8;
     std::vector<std::pair<double, Change>> tried;
     for (double along = -0.09; along < 0.1; along += 0.03)
         for (double larger = -0.06; larger < 0.07; larger += 0.03)
-            for (double across = -0.03; across < 0.04; across += 0.03) {
+            for (double across = -0.06; across < 0.07; across += 0.03) {
                 const Change c{along * radius, across * radius, larger * radius, 0, 0, 0};
                 tried.emplace_back(misfit.of(c), c);
             }
@@ -373,8 +421,8 @@ struct Way {
 };
 
 /// Looks and settles; false if too little lies in the picture.
-bool look_and_settle(const Raster<std::uint16_t>& picture, Way& way, const Lens& lens,
-                     double finest, double step_beside, bool from_afar) {
+bool look_and_settle(const Grey& picture, Way& way, const Lens& lens, double finest,
+                     double step_beside, bool from_afar) {
     constexpr double kEnough = 0.4;
     way.look = look_at(picture, way.guess, finest, step_beside);
     if (way.look.known < kEnough) return false;
@@ -421,9 +469,9 @@ MotionFit fit_motion(const Grey& picture, const Level& level, const Outline& sta
         const ShapePrior prior = prior_at(shape, lens);
         const Guess first{
             shape, motion.normalized(), 0.5 * motion.length(), {prior.cos2, prior.sin2}};
-        Way way{first, first, {first, {}, {}, {}, {}, 0}, fit};
+        Way way{first, first, {first, {}, {}, {}, {}, 0, {}, {}}, fit};
         const double coarse = std::max(kFinest, kCoarse * shape.radius);
-        if (!look_and_settle(picture.pixels, way, lens, coarse, coarse, true)) continue;
+        if (!look_and_settle(picture, way, lens, coarse, coarse, true)) continue;
         if (way.fit.evidence < least) continue;
         if (std::none_of(ways.begin(), ways.end(),
                          [&](const Way& w) { return nearly_same(w.guess, way.guess); }))
@@ -431,7 +479,7 @@ MotionFit fit_motion(const Grey& picture, const Level& level, const Outline& sta
     }
     const auto closely = [&](Way& way) {
         const double beside = std::max(kFinest, kBeside * way.guess.shape.radius);
-        return look_and_settle(picture.pixels, way, lens, kFinest, beside, false);
+        return look_and_settle(picture, way, lens, kFinest, beside, false);
     };
     std::erase_if(ways, [&](Way& way) { return !closely(way); });
     if (ways.empty()) return fit;

@@ -17,6 +17,8 @@ struct MotionFit {
     double clear = 0;     ///< part that shows a smeared rim,
     double amiss = 0;     ///< part that shows it elsewhere,
     double known = 0;     ///< part that lies in the picture
+    /// Log-likelihood of the outline over the likeliest of those that are off by 2 % of the radius.
+    double certain = 0;
 };
 
 /// The outline near a first one that is wrong by up to some 10 % of its radius, and the motion near

@@ -57,6 +57,7 @@ std::vector<double> signs_of(const std::vector<Level>& levels, const MotionFit& 
             fit.ends,
             fit.clear,
             fit.amiss,
+            fit.certain,
             std::log(score_of(inside) + 1e-4),
             inside.detailed,
             inside.squeeze_before,

@@ -35,6 +35,7 @@ constexpr Sign kMovedSigns[] = {
     {"likelihood of its end over a ball that goes on", {-4, -1.5, 0.5, 3}, 1},
     {"part of the rim that shows as smeared", {0.5, 0.7, 0.85, 0.97}, 1},
     {"part of it that shows elsewhere", {0.1, 0.3, 0.5, 0.7}, -1},
+    {"likelihood over outlines that are 2 % off", {1, 7, 18, 40}, 1},
     {"log of what the inside passes of the gates", {-7, -2.5, -0.6, -0.05}, 1},
     {"part of the inside with detail", {0.3, 0.6, 0.8, 0.95}, 1},
     {"log2 radial / tangential slopes before the rim", {0, 0.4, 0.8, 1.2}, 0},

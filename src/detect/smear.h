@@ -22,6 +22,9 @@ public:
 
     /// In between smoothly, or what is likeliest would always be one of the few that were tried.
     double cost(double half_motion, double place) const;
+    /// The mean over places of the likelihood to a power, that of the best being 1: about 1 where
+    /// the profile knows nothing, little where it knows the place.
+    double openness(double half_motion, double power) const;
     double cost_still() const { return still_; }    ///< of nothing but a background
     double cost_moving() const { return moving_; }  ///< of a ball that fills the profile
 
@@ -45,6 +48,7 @@ public:
     static constexpr int kPlaces = 25;
 
     double cost(double half_motion, double place) const;
+    double openness(double half_motion, double power) const;  ///< as SmearVoice's
 
 private:
     friend std::vector<BesideVoice> beside_voices(const std::vector<Profile>&);

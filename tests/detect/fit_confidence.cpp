@@ -128,13 +128,14 @@ painted::RandomPicture picture_for(unsigned number) {
     return painted::random_picture(number);
 }
 
-/// Half hold a ball that moved and is hard for nothing else; the others, all that moved in a
-/// picture that may be hard, and pictures in which little did, so that what is but taken for a
-/// moved ball is among the cases.
+/// Half hold a ball that moved and is hard for nothing else, in a grainy picture or not; the
+/// others, all that moved in a picture that may be hard, and pictures in which little did, so that
+/// what is but taken for a moved ball is among the cases.
 painted::RandomPicture moved_picture_for(unsigned number) {
     if (number % 4 < 2) {
         painted::Dice dice(number + 1);
-        const auto made = painted::moving_picture(number, dice.log_uniform(0.05, 0.42));
+        const double part = dice.log_uniform(0.05, 0.42);
+        const auto made = painted::moving_picture(number, part, number % 2 ? dice.whole(4, 16) : 0);
         return {made.photo, {made.outline}, "mirror-moving"};
     }
     if (number % 4 == 2) return painted::random_picture(number, 280, 560, true);

@@ -21,9 +21,11 @@ struct Moving {
 constexpr int kTimes = 40;  // shutter positions; spread over the pixel too
 
 /// Mirror ball in a random world, moved by `part` of its radius. The exposure is the mean of many
-/// instants in linear light; the background stands still.
-inline Moving moving_picture(unsigned seed, double part) {
-    Dice dice(seed);
+/// instants in linear light; the background stands still. With `instants` it is that of a renderer:
+/// each pixel's mean is over so many instants and places, random ones, and grainy where they
+/// differ.
+inline Moving moving_picture(unsigned seed, double part, int instants = 0) {
+    Dice dice(seed), grain(seed + 1);
     const World world(dice);
     Moving made{};
     Scene scene;
@@ -59,11 +61,15 @@ inline Moving moving_picture(unsigned seed, double part) {
     for (int j = 0; j < h; ++j)
         for (int i = 0; i < w; ++i) {
             const bool near = std::hypot(i + 0.5 - rim.cx, j + 0.5 - rim.cy) < far;
-            const int times = near ? kTimes : 4;
+            const int times = !near ? 4 : instants > 0 ? instants : kTimes;
             V3d sum(0);
-            for (int k = 0; k < times; ++k)  // a lattice of pixel and time
-                sum += seen(i + std::fmod((k + 0.5) * 0.618034, 1.0),
-                            j + std::fmod((k + 0.5) * 0.754878, 1.0), (k + 0.5) / times - 0.5);
+            for (int k = 0; k < times; ++k)
+                if (near && instants > 0)
+                    sum += seen(i + grain.uniform(0, 1), j + grain.uniform(0, 1),
+                                grain.uniform(-0.5, 0.5));
+                else  // a lattice of pixel and time
+                    sum += seen(i + std::fmod((k + 0.5) * 0.618034, 1.0),
+                                j + std::fmod((k + 0.5) * 0.754878, 1.0), (k + 0.5) / times - 0.5);
             for (int c = 0; c < 3; ++c) light.push_back(static_cast<float>(sum[c] / times));
             mean += std::min(sum.y / times, 2.0) / (double(w) * h);
         }

@@ -14,12 +14,13 @@ using Fine = ProfileOf<kManySamples>;
 constexpr int kMiddle = static_cast<int>(kManySamples) / 2;
 
 /// What lines along the motion show across the rim, samples outwards of the middle, of a ball of
-/// patches that moved by twice `half_motion` before an even background.
-std::vector<Fine> painted_rims(double rim, double half_motion, int count) {
-    painted::Dice dice(7);
+/// patches that moved by twice `half_motion` before an even background. With `instants` each sample
+/// saw but so many, random ones, as in rendered pictures.
+std::vector<Fine> painted_rims(double rim, double half_motion, int count, int instants = 0) {
+    painted::Dice dice(7), grain(8);
     std::vector<Fine> profiles;
     for (int i = 0; i < count; ++i) {
-        constexpr int kTimes = 64;
+        const int times = instants > 0 ? instants : 64;
         std::vector<double> patches;
         for (int k = 0; k < 200; ++k)
             patches.push_back(k > 0 && dice.chance(0.6) ? patches.back() : dice.uniform(0, 1));
@@ -27,13 +28,14 @@ std::vector<Fine> painted_rims(double rim, double half_motion, int count) {
         Fine profile{};
         for (int k = 0; k < static_cast<int>(kManySamples); ++k) {
             double sum = 0;
-            for (int t = 0; t < kTimes; ++t) {
-                const double time = (2 * (t + 0.5) / kTimes - 1) * half_motion;
+            for (int t = 0; t < times; ++t) {
+                const double part = instants > 0 ? grain.uniform(0, 1) : (t + 0.5) / times;
+                const double time = (2 * part - 1) * half_motion;
                 const double depth = rim + time - (k - kMiddle);
                 sum += depth < 0 ? background : patches[static_cast<std::size_t>(depth)];
             }
             profile[static_cast<std::size_t>(k)] =
-                static_cast<float>(sum / kTimes + 0.003 * dice.normal());
+                static_cast<float>(sum / times + 0.003 * dice.normal());
         }
         EXPECT_TRUE(normalise(profile));
         profiles.push_back(profile);
@@ -55,6 +57,28 @@ TEST(Smear, TheRimIsLikeliestWhereItWasInTheMiddleOfTheExposure) {
             if (cost_at(voices, 9, place) < cost_at(voices, 9, best)) best = place;
         EXPECT_NEAR(best, rim, 0.5) << rim;  // a twentieth of the smear
     }
+}
+
+TEST(Smear, AGrainyBallHasItsRimWhereGrainBegins) {
+    for (const double rim : {-3.0, 0.4, 2.3}) {
+        const auto voices = smear_voices(painted_rims(rim, 9, 32, 8), 9);
+        double best = -8;
+        for (double place = -8; place <= 8; place += 0.1)
+            if (cost_at(voices, 9, place) < cost_at(voices, 9, best)) best = place;
+        EXPECT_NEAR(best, rim, 1) << rim;
+    }
+}
+
+TEST(Smear, AProfileThatShowsNoRimIsOpen) {
+    double rims = 0, flat = 0;
+    constexpr double kPower = 0.3;
+    for (const SmearVoice& v : smear_voices(painted_rims(0, 9, 32), 9))
+        rims += v.openness(9, kPower) / 32;
+    for (const SmearVoice& v : smear_voices(painted_rims(-80, 9, 32), 9))  // background alone
+        flat += v.openness(9, kPower) / 32;
+    EXPECT_LT(rims, 0.35);
+    EXPECT_GT(flat, 2 * rims);
+    EXPECT_LE(flat, 1.001);
 }
 
 TEST(Smear, TheLengthOfTheMotionIsLikeliest) {
