@@ -73,9 +73,12 @@ TEST(MovingBall, TheOutlineIsThatOfTheMiddleOfTheExposure) {
     const int count = number_from("CHROMEBALL_DETECT_MOVING", 0);
     const int pictures = count > 0 ? count : 24;
     Tally tally;
-    for (int i = 0; i < pictures; ++i)
-        look_at(moving_picture(static_cast<unsigned>(5000 + i), 0.05 + 0.35 * i / pictures),
-                count > 0, tally);
+    for (int i = 0; i < pictures; ++i) {
+        const int instants = i % 3 == 2 ? 8 : 0;  // every third as grainy as a renderer's
+        look_at(
+            moving_picture(static_cast<unsigned>(5000 + i), 0.05 + 0.35 * i / pictures, instants),
+            count > 0, tally);
+    }
     std::printf(
         "%d pictures: %d found, %d of them right; greatest rim error %.2f %%, motion off by "
         "%.0f %%, errors in their deviations %.2f (medians)\n",
@@ -83,10 +86,10 @@ TEST(MovingBall, TheOutlineIsThatOfTheMiddleOfTheExposure) {
         median(tally.surprises));
     // Without a model of motion one in five was found, and one in nine of those right.
     ASSERT_FALSE(tally.motions.empty());
-    EXPECT_GE(tally.found, 0.5 * pictures);
-    EXPECT_GE(tally.right, 0.4 * tally.found);
-    EXPECT_LT(median(tally.errors), 3.5);
-    EXPECT_LT(median(tally.motions), 0.1);
+    EXPECT_GE(tally.found, 0.6 * pictures);
+    EXPECT_GE(tally.right, 0.6 * tally.found);
+    EXPECT_LT(median(tally.errors), 2.5);
+    EXPECT_LT(median(tally.motions), 0.06);
     // 0.67 for normal errors of just that size.
     EXPECT_GT(median(tally.surprises), 0.15);
     EXPECT_LT(median(tally.surprises), 1.5);
