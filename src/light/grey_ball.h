@@ -4,26 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/image.h"
-#include "map/affine.h"
-#include "map/mirror_ball.h"
+#include "light/ball_picture.h"
+#include "light/clipped_regions.h"
 
 namespace chromeball {
-
-/// A ball's picture: pixels in the working space (3 or 4 channels) and where the ball lies in them.
-struct BallPicture {
-    const Image* pixels = nullptr;
-    MirrorBall ball;   ///< of a grey ball: its outline and camera; what it would mirror
-    Affine to_pixels;  ///< from the positions that `ball` knows to those in `pixels`
-};
-
-/// One connected part of the sphere in which the mirror ball clips.
-struct ClippedRegion {
-    V3d direction{0, 0, 1};  ///< of its middle
-    double steradians = 0;
-    std::array<double, 3> missing{};  ///< radiance on top of what the pixels hold
-    std::vector<std::size_t> pixels;  ///< y * width + x in the mirror ball's picture
-};
 
 struct GreyBallOptions {
     /// What a perfect diffuser of it gives back; known to the one who painted the ball.
