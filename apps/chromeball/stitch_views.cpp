@@ -35,22 +35,31 @@ std::string shape_of(const std::string& file, const std::optional<std::string>& 
     return past && find_layout(past->layout) ? past->layout : "photo";
 }
 
-/// How far a photo's pixels are to be trusted: those of an integer photo that have reached the end
-/// of the scale little, others as their file's channel `confidence` says. Empty where all can be.
+/// Of a merged bracket: how sure its exposures made each pixel. Empty where its file has no channel
+/// `confidence`.
+Image told_trust(const Photo& photo, const Window& region) {
+    Image sure = read_confidence(photo.name, std::numeric_limits<std::int64_t>::max(), region);
+    if (sure.size() != region.size) return {};
+    for (int y = 0; y < sure.height(); ++y)
+        for (int i = 0; i < 3 * sure.width(); ++i)
+            sure.row(y)[i] = std::max(sure.row(y)[i], kClipped);
+    return sure;
+}
+
+/// How far a photo's pixels are to be trusted: as its file says, and those of an integer photo that
+/// have reached the end of the scale little. Empty where all can be.
 Image doubts(const Photo& photo, const Window& region) {
-    if (!is_integer(photo.type)) {
-        // Of a merged bracket: how sure its exposures made each pixel.
-        Image sure = read_confidence(photo.name, std::numeric_limits<std::int64_t>::max(), region);
-        if (sure.size() != region.size) return {};
-        for (int y = 0; y < sure.height(); ++y)
-            for (int i = 0; i < 3 * sure.width(); ++i)
-                sure.row(y)[i] = std::max(sure.row(y)[i], kClipped);
-        return any_doubt(sure) ? std::move(sure) : Image();
+    Image trust = told_trust(photo, region);
+    if (is_integer(photo.type)) {
+        Image stored(region.size, photo.channels == 2 || photo.channels == 4 ? 4 : 3);
+        load_floats(stored_rows(photo, region, 0, region.size.height), stored.view());
+        constexpr float kWhite = 0.995F;  // the last of 255 steps, and what a JPEG makes of it
+        Image unclipped = trust_of(stored, kWhite);
+        for (int y = 0; y < trust.height(); ++y)
+            for (int i = 0; i < 3 * trust.width(); ++i)
+                unclipped.row(y)[i] = std::min(unclipped.row(y)[i], trust.row(y)[i]);
+        trust = std::move(unclipped);
     }
-    Image stored(region.size, photo.channels == 2 || photo.channels == 4 ? 4 : 3);
-    load_floats(stored_rows(photo, region, 0, region.size.height), stored.view());
-    constexpr float kWhite = 0.995F;  // the last of 255 steps, and what a JPEG makes of it
-    Image trust = trust_of(stored, kWhite);
     return any_doubt(trust) ? std::move(trust) : Image();
 }
 

@@ -23,7 +23,8 @@ struct DecodeRequest {
     bool header_only = false;
     /// For decoders that can give bands; what they give no photo.pixels of.
     std::function<void(const Photo& band)> bands = nullptr;
-    /// Of an OpenEXR file: this channel alone, as grey; a photo without channels where it has none.
+    /// Of an OpenEXR file, or a TIFF that chromeball wrote: this channel alone, as grey; a photo
+    /// without channels where it has none. Other decoders know none.
     std::string channel = {};
 };
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 
+#include "io/channel_names.h"
 #include "io/decoders.h"
 #include "io/messages.h"
 #include "io/oiio_doors.h"
@@ -264,12 +265,25 @@ bool keeps_all(const std::vector<int>& chosen, int stored) {
     return static_cast<int>(chosen.size()) == stored;
 }
 
+/// The channel of a file without names for them that chromeball called so when it wrote it; none
+/// where it has none, or where the file has been given others since.
+std::vector<int> own_channel(const ImageSpec& spec, const std::string& name) {
+    const auto names = channel_names(metadata_of(spec));
+    const auto found = std::ranges::find(names, name);
+    const auto index = static_cast<int>(found - names.begin());
+    if (found == names.end() || static_cast<int>(names.size()) != spec.nchannels ||
+        index == spec.alpha_channel)
+        return {};
+    return {index};
+}
+
+/// `channels` are the file's that become the photo's.
 Photo describe(const std::string& path, const FileProbe& probe, const ImageSpec& spec,
-               std::int64_t max_pixels) {
+               const std::vector<int>& channels, std::int64_t max_pixels) {
     Photo photo;
     photo.name = path;
     photo.type = pixel_type_of(spec.format);
-    photo.channels = static_cast<int>(select_channels(spec).size());
+    photo.channels = static_cast<int>(channels.size());
     place(spec, max_pixels, photo);
     photo.associated_alpha = spec.get_int_attribute("oiio:UnassociatedAlpha") == 0;
     photo.color = color_tag_of(spec, probe);
@@ -310,9 +324,8 @@ void check_outermost_rows(const std::string& path, const FileProbe& probe, Image
                       read_rows(input, spec, y, y + 1, spec.format, row, spec.scanline_bytes()));
 }
 
-void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& spec, int first,
-                   int last, Photo& photo) {
-    const std::vector<int> chosen = select_channels(spec);
+void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& spec,
+                   const std::vector<int>& chosen, int first, int last, Photo& photo) {
     const std::size_t value = bytes_per_value(photo.type);
     const std::size_t row_bytes =
         value * static_cast<std::size_t>(spec.nchannels) * static_cast<std::size_t>(spec.width);
@@ -324,15 +337,16 @@ void decode_pixels(const std::string& path, ImageInput& input, const ImageSpec& 
 }
 
 /// The photo's window, from the stored row `top` on, in whole tiles or strips.
-void decode_bands(const std::string& path, ImageInput& input, const ImageSpec& spec, int top,
-                  const Photo& photo, const std::function<void(const Photo& band)>& take) {
+void decode_bands(const std::string& path, ImageInput& input, const ImageSpec& spec,
+                  const std::vector<int>& chosen, int top, const Photo& photo,
+                  const std::function<void(const Photo& band)>& take) {
     const int together = rows_together(spec);
     const int rows = (kBandRows + together - 1) / together * together;
     const int last = photo.window.y + photo.window.size.height;
     for (int y = photo.window.y; y < last;) {
         const int end = std::min(last, top + ((y - top) / rows + 1) * rows);
         Photo band = band_of(photo, y, end);
-        decode_pixels(path, input, spec, y - top, end - top, band);
+        decode_pixels(path, input, spec, chosen, y - top, end - top, band);
         take(band);
         y = end;
     }
@@ -349,7 +363,10 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     const auto input = open(path, probe);
     const ImageSpec spec = input->spec();
     check_spec(path, spec, request.max_pixels);
-    Photo photo = describe(path, probe, spec, request.max_pixels);
+    const std::vector<int> chosen =
+        request.channel.empty() ? select_channels(spec) : own_channel(spec, request.channel);
+    if (chosen.empty()) return {};
+    Photo photo = describe(path, probe, spec, chosen, request.max_pixels);
     const int orientation = spec.get_int_attribute("Orientation", 1);
     const auto rows = stored_rows(request.rows, orientation, photo.display.height);
     const auto [first, last] = wanted_rows(photo.window, rows);
@@ -359,9 +376,9 @@ Photo decode(const std::string& path, const FileProbe& probe, const DecodeReques
     // RAW is developed as a whole anyway.
     const bool in_bands = request.bands && orientation == 1 && !probe.raw;
     if (!request.header_only && in_bands)
-        decode_bands(path, *input, spec, top, photo, request.bands);
+        decode_bands(path, *input, spec, chosen, top, photo, request.bands);
     else if (!request.header_only && first < last)
-        decode_pixels(path, *input, spec, first - top, last - top, photo);
+        decode_pixels(path, *input, spec, chosen, first - top, last - top, photo);
     if (!request.header_only && last - first < spec.height)
         check_outermost_rows(path, probe, *input, spec);
     make_upright(photo, orientation);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "io/channel_names.h"
 #include "io/encoders.h"
 #include "io/fact_names.h"
 #include "io/messages.h"
@@ -79,8 +80,10 @@ ImageSpec spec_of(const Values& values, const WriteOptions& options) {
     if (options.format != FileFormat::hdr) add_facts(spec, options.metadata);
     if (options.format == FileFormat::jpg && is_encoded_srgb(options.color))
         spec.attribute("Exif:ColorSpace", 1);
-    if (const auto own = options.metadata.text(kOwn))
-        spec.attribute("ImageDescription", fmt::format("{} {}", kOwn, *own));
+    auto own = options.metadata.text(kOwn);
+    if (options.confidence && options.format == FileFormat::tif)
+        own = with_channel_names(own.value_or(""), spec.channelnames);
+    if (own) spec.attribute("ImageDescription", fmt::format("{} {}", kOwn, *own));
     return spec;
 }
 

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "io/channel_names.h"
 #include "io/facts.h"
 
 namespace chromeball {
@@ -9,6 +10,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kName = "chromeball";
+constexpr const char* kChannels = "channels";
+
+/// ASCII only, as EXIF demands; a name that is no UTF-8 must not stop the writing.
+std::string text_of(const Json& json) {
+    return json.dump(-1, ' ', true, Json::error_handler_t::replace);
+}
 
 /// No file tells where on a machine the photo lay.
 std::string without_folders_if_absolute(const std::string& path) {
@@ -88,8 +95,7 @@ Attribute to_attribute(const Provenance& provenance) {
     if (!provenance.reflectance.empty())
         json["reflectance"] = without_folders_if_absolute(provenance.reflectance);
     if (!provenance.fingerprint.empty()) json["fingerprint"] = provenance.fingerprint;
-    // ASCII only, as EXIF demands; a name that is no UTF-8 must not stop the writing.
-    return {kName, "string", {}, json.dump(-1, ' ', true, Json::error_handler_t::replace)};
+    return {kName, "string", {}, text_of(json)};
 }
 
 std::optional<Provenance> provenance_from(const Metadata& metadata) {
@@ -103,5 +109,27 @@ std::optional<Provenance> provenance_from(const Metadata& metadata) {
         return std::nullopt;
     }
 }
+
+namespace io {
+
+std::string with_channel_names(const std::string& own, const std::vector<std::string>& names) {
+    Json json = Json::parse(own, nullptr, false);
+    if (!json.is_object()) json = Json::object();
+    json[kChannels] = names;
+    return text_of(json);
+}
+
+std::vector<std::string> channel_names(const Metadata& metadata) {
+    const auto text = stored_text(metadata);
+    if (!text) return {};
+    const Json json = Json::parse(*text, nullptr, false);
+    if (!json.is_object() || !json.contains(kChannels) || !json.at(kChannels).is_array()) return {};
+    std::vector<std::string> names;
+    for (const Json& name : json.at(kChannels))
+        names.push_back(name.is_string() ? name.get<std::string>() : std::string());
+    return names;
+}
+
+}  // namespace io
 
 }  // namespace chromeball

@@ -48,7 +48,8 @@ Photo read_photo(const std::string& path, const ReadOptions& options) {
 
 std::optional<Photo> read_channel(const std::string& path, const std::string& channel,
                                   const ReadOptions& options) {
-    if (!io::probe_file(path).exr) return std::nullopt;
+    const io::FileProbe probe = io::probe_file(path);
+    if (!probe.exr && probe.plugin != "tiff") return std::nullopt;
     Photo photo = read(path, {options.max_pixels, options.rows, false, nullptr, channel});
     if (photo.channels == 0) return std::nullopt;
     return photo;

@@ -35,8 +35,9 @@ Photo read_header(const std::string& path, const ReadOptions& options = {});
 Photo read_photo(const std::string& path, const ReadOptions& options = {});
 
 /// One channel of an OpenEXR file that is neither colour nor alpha, such as "confidence", as a grey
-/// photo; nothing where the file has none of that name, or is of another type. Throws Error as
-/// read_photo.
+/// photo; nothing where the file has none of that name, or is of another type. TIFF names no
+/// channels: there it is found where chromeball wrote the file, which then says so in its
+/// description, and the number of channels is still the same. Throws Error as read_photo.
 std::optional<Photo> read_channel(const std::string& path, const std::string& channel,
                                   const ReadOptions& options = {});
 

@@ -253,6 +253,7 @@ void write_map(const std::string& path, int size, const Light& light, const Sure
     WriteOptions options;
     options.full_float = true;
     options.confidence = channel;
+    if (path.ends_with(".tif")) options.format = FileFormat::tif;
     write_image(path, map.view(), options);
 }
 
@@ -365,6 +366,61 @@ TEST(Confidence, WhatNobodyBelievesInIsNoBlackSpotInAPreview) {
     EXPECT_LT(silent.pixel(24, 24)[1], 0.01F);
     EXPECT_NEAR(told.pixel(24, 24)[1], 0.5F, 0.02F);
     EXPECT_NEAR(told.pixel(34, 24)[1], silent.pixel(34, 24)[1], 0.02F);
+}
+
+TEST(Confidence, OfATiffIsAsGoodAsThatOfAnExr) {
+    const TempFolder folder;
+    const Place place(7);
+    const auto wrong = [&](V3d d) { return place(d) * (d.x > 0 ? 4 : 1); };
+    const auto knows = [](V3d d) { return d.x > 0 ? 0 : 1; };
+    write_map(folder / "good.exr", 64, place, knows, false);
+    write_map(folder / "wrong.exr", 64, wrong, knows, true);
+    const auto light = [](V3d d) { return d.z > 0.6 ? V3d(0, 0, 0) : V3d(0.5, 0.5, 0.5); };
+    const auto sure = [](V3d d) { return d.z > 0.6 ? 0 : 1; };
+    write_map(folder / "spot.tif", 64, light, sure, true);
+    const Outcome converted =
+        run(folder, {"convert", "wrong.exr", "--from", "latlong", "--size", "64", "--output-space",
+                     "acescg", "--float", "--confidence", "-o", "wrong.tif"});
+    ASSERT_EQ(converted.status, 0) << converted.err;
+    const std::string same = "1,0,0,0,1,0,0,0,1";
+    const auto results = run_all(
+        folder,
+        {{"stitch", "wrong.tif", "good.exr", "--from", "latlong", "--size", "64", "-o", "out.exr",
+          "--camera-to-world", same, "--camera-to-world", same, "--input-space", "acescg",
+          "--float"},
+         {"preview", "spot.tif", "--from", "latlong", "--mesh", "sphere", "--orbit", "0,0",
+          "--size", "48", "--samples", "4", "-o", "spot-p.exr", "--input-space", "acescg"}});
+    for (const Outcome& result : results) ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_LT(part_off(read_floats(folder / "out.exr"), place), 0.02);
+    EXPECT_NEAR(read_floats(folder / "spot-p.exr").pixel(24, 24)[1], 0.5F, 0.02F);
+}
+
+TEST(Confidence, OfAMergedPhotoOfAnyTypeIsKept) {
+    const TempFolder folder;
+    Image light = photo(Place(7), {});
+    Image merged(light.size(), 4);
+    for (int y = 0; y < 200; ++y)
+        for (int x = 0; x < 200; ++x) {
+            for (int c = 0; c < 3; ++c)  // no number but the channel says that it is burnt
+                merged.pixel(x, y)[c] = std::min(0.9F, light.pixel(x, y)[c]);
+            const bool burnt = std::hypot(x - 100.0, y - 100.0) < 12;
+            merged.pixel(x, y)[3] = burnt ? 0.0F : 1.0F;
+        }
+    for (const int bits : {8, 16, 32}) {
+        WriteOptions options;
+        options.format = FileFormat::tif;
+        options.confidence = true;
+        options.full_float = bits == 32;
+        options.bits = bits == 8 ? 8 : 16;
+        write_image(folder / "merged.tif", merged.view(), options);
+        const Outcome result = run(folder, {"convert", "merged.tif", "-o", "map.exr", "--ball",
+                                            kBall, kFar, "--size", "64", "--confidence"});
+        ASSERT_EQ(result.status, 0) << result.err;
+        const auto values = confidence_in(folder / "map.exr");
+        ASSERT_EQ(values.size(), 128U * 64);
+        EXPECT_LT(values[32 * 128 + 64], 0.15F) << bits;
+        EXPECT_GT(values[32 * 128 + 84], 0.7F) << bits;
+    }
 }
 
 TEST(Stitch, DoesNotWarnOfALensThatTheViewsTell) {

@@ -348,6 +348,68 @@ TEST(Confidence, IsNoAlphaWhereThereIsNone) {
     EXPECT_EQ(read_photo(folder / "x.tif").channels, 3);
 }
 
+TEST(Confidence, IsFoundAgainInATiffOfOurOwn) {
+    const TempFolder folder;
+    for (const int channels : {2, 4, 5})
+        for (const bool full_float : {false, true})
+            for (const bool provenance : {false, true}) {
+                Image image = pattern({6, 4}, channels);
+                for (int i = 0; i < 24; ++i)  // alpha 0 must not take it along
+                    image.pixel(i % 6, i / 6)[channels - 1] = static_cast<float>(i) / 24;
+                WriteOptions options;
+                options.format = FileFormat::tif;
+                options.full_float = full_float;
+                options.confidence = true;
+                if (provenance) options.metadata.set(to_attribute({.source = "a.exr"}));
+                write_image(folder / "x.tif", image.view(), options);
+                const auto photo = read_channel(folder / "x.tif", "confidence");
+                ASSERT_TRUE(photo) << channels;
+                EXPECT_EQ(photo->channels, 1);
+                EXPECT_EQ(photo->window.size, image.size());
+                for (int y = 0; y < 4; ++y)
+                    for (int x = 0; x < 6; ++x)
+                        EXPECT_NEAR(value_at(*photo, x, y, 0), image.pixel(x, y)[channels - 1],
+                                    full_float ? 0 : 0.51 / 65535);
+                EXPECT_FALSE(read_channel(folder / "x.tif", "depth"));
+                const auto own = provenance_from(read_header(folder / "x.tif").metadata);
+                ASSERT_TRUE(own);
+                EXPECT_EQ(own->source, provenance ? "a.exr" : "");
+            }
+}
+
+TEST(Confidence, IsNotTakenForWhatAnotherProgramAdded) {
+    const TempFolder folder;
+    WriteOptions options;
+    options.format = FileFormat::tif;
+    options.metadata.set(to_attribute({.source = "a.exr"}));
+    write_image(folder / "rgba.tif", pattern({6, 4}, 4).view(), options);
+    EXPECT_FALSE(read_channel(folder / "rgba.tif", "confidence"));
+    const auto description = [&](const char* name) {
+        return std::string(
+            OIIO::ImageInput::open(folder / name)->spec().get_string_attribute("ImageDescription"));
+    };
+    const auto copy = [&](const char* name, int channels, const std::string& text) {
+        OIIO::ImageSpec spec(6, 4, channels, OIIO::TypeDesc::FLOAT);
+        spec.attribute("ImageDescription", text);
+        const std::vector<float> values(static_cast<std::size_t>(24 * channels), 0.5F);
+        const auto out = OIIO::ImageOutput::create("tiff");
+        ASSERT_TRUE(out->open(folder / name, spec) &&
+                    out->write_image(OIIO::TypeDesc::FLOAT, values.data()) && out->close());
+    };
+    // A mask in a file that had no confidence.
+    copy("mask.tif", 5, description("rgba.tif"));
+    EXPECT_FALSE(read_channel(folder / "mask.tif", "confidence"));
+    // One more, or one less, in a file that had it.
+    options.confidence = true;
+    write_image(folder / "five.tif", pattern({6, 4}, 5).view(), options);
+    for (const int channels : {4, 6}) {
+        copy("other.tif", channels, description("five.tif"));
+        EXPECT_FALSE(read_channel(folder / "other.tif", "confidence")) << channels;
+    }
+    copy("same.tif", 5, description("five.tif"));
+    EXPECT_TRUE(read_channel(folder / "same.tif", "confidence"));
+}
+
 TEST(Formats, AreKnownByExtensionsInAnyCase) {
     EXPECT_EQ(format_from_extension("exr"), FileFormat::exr);
     EXPECT_EQ(format_from_extension(".TIFF"), FileFormat::tif);
