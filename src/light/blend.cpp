@@ -298,6 +298,7 @@ std::vector<CubeView> cube_views(const ViewCube& cube, const std::vector<PlacedV
             if (!(view.light.row(0)[4 * i + 3] > 0.5F)) view.confidence[i] = 0;
         if (placed.camera) view.camera = placed.to_world * *placed.camera;
         view.pixel = finest_pixel(placed.view.source);
+        view.to_world = placed.to_world;
         result.push_back(std::move(view));
         watch.check();
     }
@@ -341,7 +342,7 @@ Blended blend(const std::vector<PlacedView>& views, const Layout& layout, int si
     for (std::size_t i = 0; i < seen.size(); ++i) multiply(seen[i].light, result.gains[i]);
     auto masks = photographers(cube, seen);
     if (options.lone_photographer && seen.size() == 1)
-        masks.front() = lone_photographer(cube, seen.front(), views.front().to_world);
+        masks.front() = lone_photographer(cube, seen.front());
     for (std::size_t i = 0; i < seen.size(); ++i)
         for (std::size_t cell = 0; cell < cube.cells(); ++cell)
             seen[i].confidence[cell] *= 1 - masks[i][cell];

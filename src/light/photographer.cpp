@@ -26,6 +26,12 @@ constexpr double kSlack = 0.35 * kDegree;
 constexpr double kCamera = 20 * kDegree;
 /// A view less confident than that cannot say anything against another one.
 constexpr float kWitness = 0.03F;
+/// And one that is less confident than that, as it shows the place at its very rim drawn out over
+/// degrees, cannot say that nobody is there.
+constexpr float kAlibi = 0.08F;
+/// So much of a photographer must be seen surely, before the rest is guessed: steradians, within an
+/// angle from the camera.
+constexpr double kSeen = 0.002, kSeenWithin = 45 * kDegree;
 /// Steps over cells around which views are compared.
 constexpr std::array kSteps{2, 4, 8, 16};
 
@@ -64,6 +70,12 @@ Ranges ranges_of(const ViewCube& cube, const CubeView& view, float median) {
         }
     }
     return ranges;
+}
+
+/// The angle between a direction and a view's camera; pi where that is not known.
+double from_camera(const ViewCube& cube, const CubeView& view, std::size_t cell) {
+    if (!view.camera) return pi;
+    return std::acos(std::clamp(cube.direction(cell).dot(*view.camera), -1.0, 1.0));
 }
 
 /// By how many stops a lies outside of what b shows near by.
@@ -123,67 +135,6 @@ CellValues with_margin(const ViewCube& cube, CellValues mask, int close, double 
     return blurred(cube, widened(cube, std::move(mask), steps), 4);
 }
 
-}  // namespace
-
-std::vector<CellValues> photographers(const ViewCube& cube, const std::vector<CubeView>& views) {
-    const std::size_t count = views.size(), cells = cube.cells();
-    std::vector<CellValues> masks(count, CellValues(cells));
-    const float median = median_light(views.front().light);
-    std::vector<Ranges> ranges;
-    for (const CubeView& view : views) ranges.push_back(ranges_of(cube, view, median));
-    std::vector<std::vector<CellValues>> differ(count, std::vector<CellValues>(count));
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t j = i + 1; j < count; ++j) {
-            differ[i][j] = disagreement(cube, views[i], views[j], ranges[i], ranges[j]);
-            differ[j][i] = differ[i][j];
-        }
-    const auto away = [&](std::size_t view, std::size_t cell) {
-        const auto& camera = views[view].camera;
-        return camera ? std::acos(std::clamp(cube.direction(cell).dot(*camera), -1.0, 1.0)) : pi;
-    };
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!views[i].camera) continue;
-        CellValues blamed(cells);
-        std::vector<bool> allowed(cells);
-        for (std::size_t cell = 0; cell < cells; ++cell) {
-            const double angle = away(i, cell);
-            if (angle > kFarthest) continue;
-            bool witness = false;
-            for (std::size_t j = 0; j < count; ++j) {
-                if (i == j || away(j, cell) <= angle) continue;
-                if (views[j].confidence[cell] > kWitness) witness = true;
-                // A third view that shows the same as this one, and not what the other does.
-                bool defended = false;
-                for (std::size_t k = 0; k < count; ++k)
-                    defended = defended ||
-                               (k != i && k != j &&
-                                std::min(views[k].confidence[cell], views[i].confidence[cell]) >
-                                    kWitness &&
-                                away(k, cell) > angle && differ[i][k][cell] < kPerhaps &&
-                                differ[j][k][cell] > kPerhaps);
-                if (defended) continue;
-                allowed[cell] = true;
-                blamed[cell] = std::max(blamed[cell], differ[i][j][cell]);
-            }
-            // Nobody else sees it: it belongs to whom it touches.
-            if (!witness && angle < kCamera) {
-                allowed[cell] = true;
-                blamed[cell] = kPerhaps;
-            }
-        }
-        CellValues surely(cells);
-        for (std::size_t cell = 0; cell < cells; ++cell)
-            surely[cell] = allowed[cell] && blamed[cell] >= kSurely ? 1 : 0;
-        CellValues mask = grown(cube, std::move(surely), [&](std::size_t cell) {
-            return allowed[cell] && blamed[cell] >= kPerhaps;
-        });
-        masks[i] = with_margin(cube, std::move(mask), 5, 1.2 * kDegree);
-    }
-    return masks;
-}
-
-namespace {
-
 /// Colours counted in bins of half a stop of brightness and a third of a stop of tint.
 class Palette {
 public:
@@ -229,13 +180,12 @@ private:
     float total_ = 0;
 };
 
-}  // namespace
-
-CellValues lone_photographer(const ViewCube& cube, const CubeView& view, const Rotation& to_world) {
+/// Whom one view alone seems to show, without a margin.
+CellValues guessed(const ViewCube& cube, const CubeView& view) {
     CellValues mask(cube.cells());
     if (!view.camera) return mask;
     // Degrees to the right of the camera and above it, as the view sees them.
-    const Rotation to_view = to_world.inverse();
+    const Rotation to_view = view.to_world.inverse();
     const V3d camera = to_view * *view.camera;
     const double turn = std::atan2(camera.x, camera.z), lift = std::asin(camera.y);
     struct Place {
@@ -282,8 +232,93 @@ CellValues lone_photographer(const ViewCube& cube, const CubeView& view, const R
         const Place p = place(cell);
         if (std::abs(p.right) < 2 && p.up < 2 && p.up > -12 && odds[cell] > 0.5F) mask[cell] = 1;
     }
-    mask = grown(cube, std::move(mask), [&](std::size_t cell) { return odds[cell] > kJoined; });
-    return with_margin(cube, std::move(mask), 8, 2 * kDegree);
+    return grown(cube, std::move(mask), [&](std::size_t cell) { return odds[cell] > kJoined; });
+}
+
+/// What speaks against a view, a cell.
+struct Blame {
+    CellValues stops;           ///< by how much others differ from it
+    std::vector<bool> allowed;  ///< whether any may say so
+    std::vector<bool> unseen;   ///< near its camera, and no other view shows it well
+};
+
+/// differ: two views' disagreement.
+Blame blame_of(const ViewCube& cube, const std::vector<CubeView>& views, std::size_t accused,
+               const std::vector<std::vector<CellValues>>& differ) {
+    const std::size_t count = views.size(), cells = cube.cells();
+    Blame blame{CellValues(cells), std::vector<bool>(cells), std::vector<bool>(cells)};
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+        const double angle = from_camera(cube, views[accused], cell);
+        if (angle > kFarthest) continue;
+        bool witness = false;
+        for (std::size_t j = 0; j < count; ++j) {
+            if (j == accused || from_camera(cube, views[j], cell) <= angle) continue;
+            if (views[j].confidence[cell] > kAlibi) witness = true;
+            // A third view that shows the same as this one, and not what the other does.
+            bool defended = false;
+            for (std::size_t k = 0; k < count; ++k)
+                defended = defended ||
+                           (k != accused && k != j &&
+                            std::min(views[k].confidence[cell], views[accused].confidence[cell]) >
+                                kWitness &&
+                            from_camera(cube, views[k], cell) > angle &&
+                            differ[accused][k][cell] < kPerhaps && differ[j][k][cell] > kPerhaps);
+            if (defended) continue;
+            blame.allowed[cell] = true;
+            blame.stops[cell] = std::max(blame.stops[cell], differ[accused][j][cell]);
+        }
+        blame.unseen[cell] = !witness && angle < kCamera;
+    }
+    return blame;
+}
+
+/// Whom a view shows, without a margin.
+CellValues blamed_person(const ViewCube& cube, const CubeView& view, const Blame& blame) {
+    const std::size_t cells = cube.cells();
+    CellValues surely(cells);
+    double seen = 0;
+    for (std::size_t cell = 0; cell < cells; ++cell) {
+        surely[cell] = blame.allowed[cell] && blame.stops[cell] >= kSurely ? 1 : 0;
+        if (surely[cell] > 0 && from_camera(cube, view, cell) < kSeenWithin)
+            seen += cube.solid_angle(cell);
+    }
+    // Behind him, as views from opposite sides show it, nobody sees sharply: there he is known by
+    // his colours alone, and what lies beside him had better stay as his own view shows it.
+    if (seen > kSeen && std::ranges::find(blame.unseen, true) != blame.unseen.end()) {
+        const int mixed = static_cast<int>(std::ceil(0.8 * view.pixel / cube.cell_angle()));
+        const CellValues guess = widened(cube, guessed(cube, view), mixed);
+        for (std::size_t cell = 0; cell < cells; ++cell)
+            if (blame.unseen[cell] && guess[cell] > 0) surely[cell] = 1;
+    }
+    return grown(cube, std::move(surely), [&](std::size_t cell) {
+        return blame.allowed[cell] && blame.stops[cell] >= kPerhaps;
+    });
+}
+
+}  // namespace
+
+std::vector<CellValues> photographers(const ViewCube& cube, const std::vector<CubeView>& views) {
+    const std::size_t count = views.size();
+    std::vector<CellValues> masks(count, CellValues(cube.cells()));
+    const float median = median_light(views.front().light);
+    std::vector<Ranges> ranges;
+    for (const CubeView& view : views) ranges.push_back(ranges_of(cube, view, median));
+    std::vector<std::vector<CellValues>> differ(count, std::vector<CellValues>(count));
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t j = i + 1; j < count; ++j) {
+            differ[i][j] = disagreement(cube, views[i], views[j], ranges[i], ranges[j]);
+            differ[j][i] = differ[i][j];
+        }
+    for (std::size_t i = 0; i < count; ++i)
+        if (views[i].camera)
+            masks[i] =
+                with_margin(cube, blamed_person(cube, views[i], blame_of(cube, views, i, differ)),
+                            5, 1.2 * kDegree);
+    return masks;
+}
+
+CellValues lone_photographer(const ViewCube& cube, const CubeView& view) {
+    return with_margin(cube, guessed(cube, view), 8, 2 * kDegree);
 }
 
 }  // namespace chromeball

@@ -126,6 +126,33 @@ TEST(Blend, KeepsTheEnergy) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c] / truth[c], 1, 0.003);
 }
 
+TEST(Blend, OfOppositeViewsHarmsNothingButThePhotographersThemselves) {
+    // What is behind them is drawn out at the other's rim; what is beside them their own shows.
+    const Rotation opposite = Rotation::about_y(180);
+    const Image map = blend({view({}, true), view(opposite, true)}, latlong(), 128).map;
+    const auto person = [](V3d d, double margin) {
+        const double right = std::atan2(d.x, d.z), up = std::asin(d.y);
+        return std::abs(right) < 0.1 + margin && up < 0.17 + margin && up > -0.52 - margin;
+    };
+    double beside = 0, all = 0, dark = 0, persons = 0;
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 256; ++x) {
+            const V2d p((x + 0.5) / 256, (y + 0.5) / 128);
+            const V3d d = *LatLong().to_direction(p), back = opposite.inverse() * d;
+            const double area = LatLong().solid_angle(p), truth = kPlace(d).y;
+            const double stops = std::log2(static_cast<double>(map.pixel(x, y)[1]) / truth);
+            if (person(d, 0) || person(back, 0)) {
+                persons += area;
+                if (stops < -2) dark += area;
+            } else if (!person(d, 0.06) && !person(back, 0.06)) {
+                all += area;
+                if (std::abs(stops) > 0.1) beside += area;
+            }
+        }
+    EXPECT_LT(beside / all, 0.001);
+    EXPECT_LT(dark / persons, 0.02);  // they are three stops darker than anything
+}
+
 TEST(Blend, FillsWhatNoViewSawAndMarksIt) {
     const PlacedView one = view({}, false);
     const Blended filled = blend({one}, latlong(), 128);

@@ -26,6 +26,7 @@ CubeView seen(const ViewCube& cube, const Rotation& to_world, const test::Shown&
     view.confidence.assign(cube.cells(), 0.7F);
     view.camera = to_world * V3d(0, 0, 1);
     view.pixel = 0.5 * kDegree;
+    view.to_world = to_world;
     return view;
 }
 
@@ -99,6 +100,27 @@ TEST_F(Photographers, AreSeenByTheMajority) {
     EXPECT_EQ(found(cube, defended[0], {}).beside, 0);
 }
 
+TEST_F(Photographers, AreGuessedWhereTheOthersSeeBehindThemAtTheirRimOnly) {
+    const Rotation opposite = Rotation::about_y(180);
+    auto views = std::vector{with({}), with(opposite)};
+    for (CubeView& view : views)  // as the rim's pixels are drawn out
+        for (std::size_t i = 0; i < cube.cells(); ++i) {
+            const double behind = std::acos(-cube.direction(i).dot(*view.camera));
+            view.confidence[i] = static_cast<float>(0.7 * std::min(1.0, std::pow(behind, 2)));
+        }
+    const auto masks = photographers(cube, views);
+    for (const auto& [mask, to_world] : {std::pair(masks[0], Rotation()), {masks[1], opposite}}) {
+        const Found result = found(cube, mask, to_world);
+        EXPECT_GT(result.of_person, 0.97);
+        EXPECT_LT(result.beside, 0.009);  // with all of the disc that nobody else sees 0.011
+    }
+    // Nobody is where the views agree.
+    views = {without({}), without(opposite)};
+    for (CubeView& view : views) view.confidence.assign(cube.cells(), 0.05F);
+    for (const CellValues& mask : photographers(cube, views))
+        for (const float value : mask) ASSERT_EQ(value, 0);
+}
+
 TEST_F(Photographers, NeedACamera) {
     auto views = std::vector{with({}), with(side)};
     for (CubeView& view : views) view.camera.reset();
@@ -108,8 +130,7 @@ TEST_F(Photographers, NeedACamera) {
 
 TEST_F(Photographers, AloneAreGuessedByTheirColours) {
     for (const Rotation& to_world : {Rotation(), Rotation::yaw_pitch_roll(130, 40, 20)}) {
-        const Found result =
-            found(cube, lone_photographer(cube, with(to_world), to_world), to_world);
+        const Found result = found(cube, lone_photographer(cube, with(to_world)), to_world);
         EXPECT_GT(result.of_person, 0.9);
         EXPECT_LT(result.beside, 0.03);
     }
