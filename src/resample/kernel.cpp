@@ -162,11 +162,88 @@ void places(const SourceForm& source, const float* dx, const float* dy, const fl
     });
 }
 
+/// The source's pixels and its rim's as they are.
+class AllPixels {
+public:
+    TapSum taps() const { return {}; }
+    TapSum rim_taps() const { return {}; }
+    HWY_INLINE Pixel cubic(const float* pixel, std::ptrdiff_t row, float fx, float fy) const {
+        return cubic_tap(pixel, row, fx, fy);
+    }
+};
+
+/// As if all pixels were black but a few; weights are those of the picture.
+class LitPixels {
+public:
+    explicit LitPixels(const LitForm& form) : form_(form) {}
+
+    class Taps {
+    public:
+        explicit Taps(const LitPixels& pixels, bool lit) : pixels_(pixels), lit_(lit) {}
+        void add(const float* pixel, std::ptrdiff_t row, float fx, float fy) {
+            if (!lit_ || !(pixels_.may_hold(pixel, 2) || pixels_.may_hold(pixel + row, 2))) {
+                const float* below = pixel + row;
+                weight_ += (1 - fy) * ((1 - fx) * pixel[3] + fx * pixel[7]) +
+                           fy * ((1 - fx) * below[3] + fx * below[7]);
+                return;
+            }
+            alignas(32) float copy[4 * 4];
+            for (int y = 0; y < 2; ++y) pixels_.copy(pixel + y * row, 2, copy + 8 * y);
+            sum_.add(copy, 8, fx, fy);
+        }
+        Pixel total() const {
+            const float weight[4] = {0, 0, 0, weight_};
+            return kernel::HWY_NAMESPACE::add(sum_.total(), load_pixel(weight));
+        }
+
+    private:
+        const LitPixels& pixels_;
+        bool lit_;
+        float weight_ = 0;  ///< of taps that see none of the few
+        TapSum sum_;
+    };
+    Taps taps() const { return Taps(*this, true); }
+    /// None of the few is near the rim.
+    Taps rim_taps() const { return Taps(*this, false); }
+
+    Pixel cubic(const float* pixel, std::ptrdiff_t row, float fx, float fy) const {
+        alignas(32) float pixels[4 * 16];
+        for (int y = 0; y < 4; ++y) copy(pixel + (y - 1) * row - 4, 4, pixels + 16 * y);
+        return cubic_tap(pixels + 16 + 4, 16, fx, fy);
+    }
+
+private:
+    /// False if surely none of the pixels is one of the few.
+    bool may_hold(const float* first, int count) const {
+        const std::ptrdiff_t at = (first - form_.picture) / 4;
+        return at + count > form_.pixels->at && at <= form_.pixels[form_.count - 1].at;
+    }
+    /// Pixels of a row.
+    void copy(const float* from, int count, float* to) const {
+        for (int i = 0; i < count; ++i, from += 4, to += 4) {
+            std::fill_n(to, 3, 0.0F);
+            to[3] = from[3];
+            if (const LitPixel* found = find((from - form_.picture) / 4))
+                std::copy_n(found->color, 3, to);
+        }
+    }
+    const LitPixel* find(std::ptrdiff_t at) const {
+        const LitPixel* end = form_.pixels + form_.count;
+        if (at < form_.pixels->at || at > (end - 1)->at) return nullptr;
+        const LitPixel* found = std::lower_bound(
+            form_.pixels, end, at, [](const LitPixel& p, std::ptrdiff_t i) { return p.at < i; });
+        return found->at == at ? found : nullptr;
+    }
+
+    const LitForm& form_;
+};
+
 /// One tile being drawn.
+template <class Pixels>
 class Drawing {
 public:
-    Drawing(const Job& job, const Tile& tile, Scratch& scratch)
-        : source_(job.source), adaptive_(job.adaptive), tile_(tile), s_(scratch) {
+    Drawing(const Job& job, const Tile& tile, const Pixels& pixels, Scratch& scratch)
+        : source_(job.source), pixels_(pixels), adaptive_(job.adaptive), tile_(tile), s_(scratch) {
         const int left = adaptive_ ? tile.x0 - 1 : tile.x0;
         for (int i = 0; i < kRow; ++i)
             s_.column[i] = static_cast<float>(left + i) + 0.5F - 0.5F * tile.target.width;
@@ -388,7 +465,7 @@ private:
 
     /// Takes the taps of a sorted row and stores the pixels.
     void take(int y) {
-        float* out = tile_.out + y * tile_.stride + 4 * static_cast<std::ptrdiff_t>(tile_.x0);
+        float* out = tile_.out + (y - tile_.y0) * tile_.stride;
         s_.exact.count = 0;
         if (adaptive_)
             take_simple<4>(out);
@@ -410,12 +487,12 @@ private:
             Pixel total;
             float taps = kTaps;
             if (kTaps == 1 || row.what[i] == kFour) {
-                TapSum sum;
+                auto sum = pixels_.taps();
                 for (int k = 0; k < kTaps; ++k)
                     sum.add(pixel(row.at[k][i]), down, row.fx[k][i], row.fy[k][i]);
                 total = sum.total();
             } else if (row.what[i] == kCubic) {
-                total = cubic_tap(pixel(row.at[0][i]), down, row.fx[0][i], row.fy[0][i]);
+                total = pixels_.cubic(pixel(row.at[0][i]), down, row.fx[0][i], row.fy[0][i]);
                 taps = 1;
             } else {
                 total = many_taps(i);
@@ -455,7 +532,7 @@ private:
                   face, at + k, fx + k, fy + k);
         }
         const std::ptrdiff_t down = 4 * static_cast<std::ptrdiff_t>(source_.stride);
-        TapSum sum;
+        auto sum = pixels_.taps();
         for (int k = 0; k < count; ++k) sum.add(pixel(at[k]), down, fx[k], fy[k]);
         return sum.total();
     }
@@ -482,7 +559,7 @@ private:
                 split(hn::MulAdd(s, set(row.xx[i]), set(x0)),
                       hn::MulAdd(s, set(row.xy[i]), set(y0)), face, at + k, fx + k, fy + k);
             }
-            TapSum sum;  // of a row: so thousands of taps keep their digits
+            auto sum = pixels_.taps();  // of a row: so thousands of taps keep their digits
             for (int k = 0; k < nx; ++k) sum.add(pixel(at[k]), down, fx[k], fy[k]);
             total = add(total, sum.total());
         }
@@ -622,7 +699,7 @@ private:
         const StripForm& strip = source_.strip;
         Pixel value = gray(0);
         if (strip.pixels && batch.strip_at[k] >= 0) {
-            TapSum tap;
+            auto tap = pixels_.rim_taps();
             tap.add(strip.pixels + 4 * static_cast<std::ptrdiff_t>(batch.strip_at[k]),
                     4 * (static_cast<std::ptrdiff_t>(strip.columns) + 1), batch.strip_fx[k],
                     batch.strip_fy[k]);
@@ -635,13 +712,14 @@ private:
 
     HWY_INLINE Pixel image_tap(int k) const {
         const Batch& batch = s_.batch;
-        TapSum tap;
+        auto tap = pixels_.taps();
         tap.add(pixel(batch.at[k]), 4 * static_cast<std::ptrdiff_t>(source_.stride), batch.fx[k],
                 batch.fy[k]);
         return tap.total();
     }
 
     const SourceForm& source_;
+    const Pixels& pixels_;
     bool adaptive_;
     const Tile& tile_;
     Scratch& s_;
@@ -652,12 +730,17 @@ private:
 
 void draw_tile(const Job& job, const Tile& tile) {
     Scratch scratch;
-    Drawing(job, tile, scratch).draw();
+    Drawing(job, tile, AllPixels(), scratch).draw();
+}
+
+void draw_lit_tile(const Job& job, const Tile& tile, const LitForm& lit) {
+    Scratch scratch;
+    Drawing(job, tile, LitPixels(lit), scratch).draw();
 }
 
 void locate_tile(const Job& job, const Tile& tile, float* x, float* y) {
     Scratch scratch;
-    Drawing(job, tile, scratch).locate(x, y);
+    Drawing(job, tile, AllPixels(), scratch).locate(x, y);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -668,9 +751,14 @@ HWY_AFTER_NAMESPACE();
 namespace chromeball::kernel {
 
 HWY_EXPORT(draw_tile);
+HWY_EXPORT(draw_lit_tile);
 HWY_EXPORT(locate_tile);
 
 void draw(const Job& job, const Tile& tile) { HWY_DYNAMIC_DISPATCH(draw_tile)(job, tile); }
+
+void draw_lit(const Job& job, const Tile& tile, const LitForm& lit) {
+    HWY_DYNAMIC_DISPATCH(draw_lit_tile)(job, tile, lit);
+}
 
 void locate(const Job& job, const Tile& tile, float* x, float* y) {
     HWY_DYNAMIC_DISPATCH(locate_tile)(job, tile, x, y);

@@ -73,8 +73,7 @@ struct Job {
     bool adaptive = true;
 };
 
-/// A part of a picture to draw. Pixels [x0, x1) x [y0, y1) of the cell; out is the cell's first
-/// pixel.
+/// A part of a picture to draw. Pixels [x0, x1) x [y0, y1) of the cell; out is the first of them.
 struct Tile {
     TargetForm target;
     int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -90,6 +89,22 @@ constexpr int kTileHeight = 32;
 
 /// Draws a tile, with the best instructions that this processor has.
 void draw(const Job& job, const Tile& tile);
+
+/// A pixel of the source that is lit, and its colour.
+struct LitPixel {
+    std::int32_t at = 0;  ///< number among the source's pixels
+    float color[3] = {};
+};
+
+/// A few pixels that are lit, by rising numbers; at least one. None of them reaches a ball's rim.
+struct LitForm {
+    const float* picture = nullptr;  ///< the source's pixels
+    const LitPixel* pixels = nullptr;
+    std::size_t count = 0;
+};
+
+/// What draw() would draw if all the source's pixels were black but these.
+void draw_lit(const Job& job, const Tile& tile, const LitForm& lit);
 
 /// Where the source shows the directions of the pixels' middles: a look at what draw() does inside,
 /// for tests. NaN where it does not. Row by row, of a cube in the padded faces below each other.

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "resample/keep_light.h"
 #include "resample/pass.h"
 #include "resample/plan.h"
 #include "resample/scalar.h"
@@ -61,13 +62,15 @@ void draw(const Source& source, const Layout& layout, ImageView<float> out,
             for (int i = first; i < last; ++i) {
                 const PlannedTile& planned = plan->tiles[static_cast<std::size_t>(i)];
                 kernel::Tile tile = planned.tile;
-                tile.out = out.pixel(planned.cell_x, planned.cell_y);
+                tile.out = out.pixel(planned.cell_x + tile.x0, planned.cell_y + tile.y0);
                 tile.stride = out.stride;
                 tile.large = large;
                 kernel::draw(plan->job, tile);
             }
         },
         watch);
+    if (options.filter == Filter::adaptive && options.keeps_light)
+        keep_light(source, layout, *plan, out, options.rotation, watch);
 }
 
 }  // namespace

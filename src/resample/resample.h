@@ -17,6 +17,9 @@ struct ResampleOptions {
     Filter filter = Filter::adaptive;
     /// Takes directions of the source's frame to those of the output's.
     Rotation rotation;
+    /// Whether the adaptive filter keeps the light of single bright pixels exactly. Not for
+    /// pictures of something else than light.
+    bool keeps_light = true;
 };
 
 /// Light from one shape into another: RGBA, colour multiplied by alpha, of layout.picture(size).
@@ -30,6 +33,11 @@ struct ResampleOptions {
 /// (at the ball's rim one that follows the rim).
 /// The taps' positions follow from the Jacobian; where source or output bend (around the back of
 /// the ball, the poles, seams) each one's direction is taken exactly.
+///
+/// Taps two thirds of a pixel apart see a single bright pixel as up to a fifth too much or too
+/// little. Where it holds a large part of all light (see keep_light()) that is put right: its light
+/// over the sphere is the pixel's to 0.1 %. Not at a ball's rim, 5.5 pixels deep, nor next to
+/// pixels that must not be used: their light is drawn from several.
 ///
 /// The same bytes for any number of threads. Throws Error of kind `interrupted`.
 Image resample(const Source& source, const Layout& layout, int size,

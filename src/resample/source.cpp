@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/parallel.h"
+#include "resample/copies.h"
 #include "resample/ellipse_rows.h"
 
 namespace chromeball {
@@ -75,18 +76,22 @@ Image bordered(const Image& pixels, int border) {
 /// blurred light a part, lies outside the outline (given in the bordered picture's pixels).
 class PureBall {
 public:
-    PureBall(const Outline& outline, int border, double rim_blur, Image& out)
+    PureBall(const Outline& outline, int border, double rim_blur, Image& out,
+             std::vector<RowLight>& lights)
         : rows_(outline),
           border_(border),
           inset_(kBlurInset * rim_blur),
           surely_(1 - (1 + inset_) / outline.b),
-          out_(out) {}
+          out_(out),
+          lights_(lights) {}
 
     /// The photo's rows from `first` on.
     void add(int first, ImageView<const float> pixels) const {
         const int height = out_.height() - 2 * border_;
         for (int y = 0; y < pixels.size.height; ++y) {
-            prepare(pixels, y, first + y + border_);
+            const int row = first + y + border_;
+            prepare(pixels, y, row);
+            light(row);
             for (int i = 0; i < border_; ++i) {
                 if (first + y == 0) prepare(pixels, y, i);
                 if (first + y == height - 1) prepare(pixels, y, height + border_ + i);
@@ -122,6 +127,17 @@ private:
         copy_if_pure(inner_last, last);
     }
 
+    /// While the row is in the nearest cache.
+    void light(int y) const {
+        const auto span = rows_.span(y + 0.5, 1);
+        if (!span) return;
+        const int first = std::max(column(span->left - 1), border_),
+                  last = std::min(column(span->right + 1), out_.width() - border_);
+        if (first < last)
+            lights_[static_cast<std::size_t>(y)] =
+                row_light(out_.pixel(first, y), static_cast<std::size_t>(last - first));
+    }
+
     bool is_pure(int x, int y) const {
         const EllipseRows::Place p = rows_.at(x + 0.5, y + 0.5);
         const double gradient = std::hypot(p.gu, p.gv);
@@ -141,6 +157,7 @@ private:
     double inset_;
     double surely_;  ///< the ellipse made that much smaller holds pure pixels only
     Image& out_;
+    std::vector<RowLight>& lights_;
 };
 
 Outline transformed(const Outline& outline, const Affine& to) {
@@ -156,13 +173,28 @@ Outline transformed(const Outline& outline, const Affine& to) {
     return {centre.x, centre.y, (end - centre).length(), (side - centre).length(), outline.angle};
 }
 
+/// The four pixels around a position in an image without a border.
+struct Around {
+    int x0, y0, x1, y1;
+    float fx, fy;  ///< how far from the first to the second
+
+    Around(Size size, V2d p) {
+        const double x = std::clamp(p.x - 0.5, 0.0, size.width - 1.0);
+        const double y = std::clamp(p.y - 0.5, 0.0, size.height - 1.0);
+        x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+        x1 = std::min(x0 + 1, size.width - 1), y1 = std::min(y0 + 1, size.height - 1);
+        fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
+    }
+    /// The weight of a pixel in what is there.
+    float part(int x, int y) const {
+        const float across = (x == x0 ? 1 - fx : 0) + (x == x1 ? fx : 0);
+        return across * ((y == y0 ? 1 - fy : 0) + (y == y1 ? fy : 0));
+    }
+};
+
 /// Bilinear between the pixels of an image without a border, at a position inside it.
 void sample(const Image& pixels, V2d p, float* out) {
-    const double x = std::clamp(p.x - 0.5, 0.0, pixels.width() - 1.0);
-    const double y = std::clamp(p.y - 0.5, 0.0, pixels.height() - 1.0);
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-    const int x1 = std::min(x0 + 1, pixels.width() - 1), y1 = std::min(y0 + 1, pixels.height() - 1);
-    const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
+    const auto [x0, y0, x1, y1, fx, fy] = Around(pixels.size(), p);
     float p00[4], p10[4], p01[4], p11[4];
     copy_pixel(pixels.view(), x0, y0, p00);
     copy_pixel(pixels.view(), x1, y0, p10);
@@ -173,17 +205,24 @@ void sample(const Image& pixels, V2d p, float* out) {
             (1 - fy) * ((1 - fx) * p00[i] + fx * p10[i]) + fy * ((1 - fx) * p01[i] + fx * p11[i]);
 }
 
+/// The row of a lat-long that continues it as row y, and by how many columns it is turned then:
+/// beyond a pole comes the other side.
+struct LatLongRow {
+    int y = 0, turn = 0;
+};
+LatLongRow latlong_row(Size size, int y) {
+    LatLongRow row{y, 0};
+    if (y < 0 || y >= size.height) row = {y < 0 ? -1 - y : 2 * size.height - 1 - y, size.width / 2};
+    row.y = std::clamp(row.y, 0, size.height - 1);
+    return row;
+}
+
 /// A lat-long's border: columns go round, rows continue beyond the pole on the other side.
 Image prepared_latlong(const Image& pixels, int border) {
     const int width = pixels.width(), height = pixels.height();
     Image out({width + 2 * border, height + 2 * border}, 4);
     for_each_row(out, [&](int y) {
-        int from_y = y - border, turn = 0;
-        if (from_y < 0 || from_y >= height) {
-            from_y = from_y < 0 ? -1 - from_y : 2 * height - 1 - from_y;
-            turn = width / 2;
-        }
-        from_y = std::clamp(from_y, 0, height - 1);
+        const auto [from_y, turn] = latlong_row({width, height}, y - border);
         // Runs up to where the row begins anew.
         for (int x = 0; x < out.width();) {
             const int from_x = ((x - border + turn) % width + width) % width;
@@ -213,6 +252,18 @@ Image face_image(const Image& pixels, const Face& face, const Face& upright, int
     return out;
 }
 
+/// A position on another face, in its pixels.
+struct OnFace {
+    int face;
+    V2d at;
+};
+/// What a pixel of a face's border shows, fx and fy counted from the face's first pixel.
+OnFace beyond_face(const Cube& cube, int face, int fx, int fy, int size) {
+    const V3d d = cube.direction_on(face, 2 * (fx + 0.5) / size - 1, 2 * (fy + 0.5) / size - 1);
+    const int other = face_of(d);
+    return {other, (cube.coordinates_on(other, d) + V2d(1, 1)) * (0.5 * size)};
+}
+
 /// Faces below each other, as the layout `openexr` has them, with borders looked up, by direction,
 /// on the faces that join there.
 Image prepared_cube(const Image& pixels, const CubeLayout& layout, int size, int border) {
@@ -234,12 +285,8 @@ Image prepared_cube(const Image& pixels, const CubeLayout& layout, int size, int
                 x += size - 1;
                 continue;
             }
-            const V3d d =
-                cube.direction_on(face, 2 * (fx + 0.5) / size - 1, 2 * (fy + 0.5) / size - 1);
-            const int other = face_of(d);
-            const V2d ab = cube.coordinates_on(other, d);
-            sample(faces[static_cast<std::size_t>(other)], (ab + V2d(1, 1)) * (0.5 * size),
-                   out.pixel(x, row));
+            const auto [other, at] = beyond_face(cube, face, fx, fy, size);
+            sample(faces[static_cast<std::size_t>(other)], at, out.pixel(x, row));
         }
     });
     return out;
@@ -274,7 +321,65 @@ Image prepared_angular(const Image& pixels, int border) {
     return out;
 }
 
+std::vector<Copy> latlong_copies(const Source& source, int x, int y) {
+    const int border = source.border;
+    const Size size{source.pixels.width() - 2 * border, source.pixels.height() - 2 * border};
+    std::vector<Copy> copies;
+    const auto look = [&](int row) {
+        const auto [from_y, turn] = latlong_row(size, row - border);
+        if (from_y != y - border) return;
+        const int first = x - border - turn;
+        for (int to = first - size.width; to <= first + 2 * size.width; to += size.width)
+            if (to >= -border && to < size.width + border && (to + border != x || row != y))
+                copies.push_back({to + border, row, 1});
+    };
+    for (int i = 0; i < border; ++i) {
+        look(i);
+        look(source.pixels.height() - 1 - i);
+    }
+    look(y);
+    return copies;
+}
+
+std::vector<Copy> cube_copies(const Source& source, int x, int y) {
+    const int border = source.border, size = source.face_size, padded = size + 2 * border;
+    const int own = y / padded, own_x = x - border, own_y = y % padded - border;
+    // As far from its face's edge as borders are wide, and a bilinear tap more.
+    const int near = border + 2;
+    if (std::min(own_x, own_y) >= near && std::max(own_x, own_y) < size - near) return {};
+    const Cube cube;
+    const V3d d =
+        cube.direction_on(own, 2 * (own_x + 0.5) / size - 1, 2 * (own_y + 0.5) / size - 1);
+    std::vector<Copy> copies;
+    for (int face = 0; face < 6; ++face) {
+        if (face == own || !(d.dot(cube.layout().forward(face)) > 0)) continue;
+        const V2d at = (cube.coordinates_on(face, d) + V2d(1, 1)) * (0.5 * size);
+        if (std::max(std::abs(at.x - 0.5 * size), std::abs(at.y - 0.5 * size)) >
+            0.5 * size + 2 * near)
+            continue;
+        const int middle_x = static_cast<int>(std::floor(at.x)),
+                  middle_y = static_cast<int>(std::floor(at.y));
+        for (int fy = std::max(middle_y - 3, -border);
+             fy <= std::min(middle_y + 3, size + border - 1); ++fy)
+            for (int fx = std::max(middle_x - 3, -border);
+                 fx <= std::min(middle_x + 3, size + border - 1); ++fx) {
+                if (fx >= 0 && fy >= 0 && fx < size && fy < size) continue;
+                const auto [other, from] = beyond_face(cube, face, fx, fy, size);
+                if (other != own) continue;
+                const float part = Around({size, size}, from).part(own_x, own_y);
+                if (part > 0) copies.push_back({fx + border, face * padded + fy + border, part});
+            }
+    }
+    return copies;
+}
+
 }  // namespace
+
+std::vector<Copy> copies_of(const Source& source, int x, int y) {
+    if (std::holds_alternative<LatLong>(source.projection)) return latlong_copies(source, x, y);
+    if (std::holds_alternative<Cube>(source.projection)) return cube_copies(source, x, y);
+    return {};
+}
 
 Window needed_window(const Outline& outline, const Window& available) {
     const double turn = outline.angle * pi / 180;
@@ -306,6 +411,7 @@ BallSourceMaker::BallSourceMaker(Size size, const MirrorBall& ball, const Affine
     source.to_pixels.y0 += source.border;
     source.ball = transformed(ball.outline(), source.to_pixels);
     source.pixels = Image({size.width + 2 * source.border, size.height + 2 * source.border}, 4);
+    source.lights.resize(static_cast<std::size_t>(source.pixels.height()));
     source.left = source.top = source.border;
     source.right = source.border + size.width;
     source.bottom = source.border + size.height;
@@ -316,7 +422,8 @@ BallSourceMaker::BallSourceMaker(Size size, const MirrorBall& ball, const Affine
 void BallSourceMaker::add(int first, ImageView<const float> rows) {
     assert(rows.size.width == size_.width && first >= 0 &&
            first + rows.size.height <= size_.height);
-    PureBall(*source_.ball, source_.border, rim_blur_, source_.pixels).add(first, rows);
+    PureBall(*source_.ball, source_.border, rim_blur_, source_.pixels, source_.lights)
+        .add(first, rows);
 }
 
 Source BallSourceMaker::finish() {
@@ -333,6 +440,23 @@ Source ball_source(const Image& pixels, const MirrorBall& ball, const Affine& to
                   [&](int first, int last) { maker.add(first, rows_of(pixels, first, last)); });
     return maker.finish();
 }
+
+namespace {
+
+/// A map's rows, without what borders repeat.
+void set_lights(Source& source) {
+    const Image& pixels = source.pixels;
+    const int border = source.border;
+    const int padded = source.face_size > 0 ? source.face_size + 2 * border : pixels.height();
+    source.lights.resize(static_cast<std::size_t>(pixels.height()));
+    for_each_row(pixels, [&](int y) {
+        if (y % padded < border || y % padded >= padded - border) return;
+        source.lights[static_cast<std::size_t>(y)] = row_light(
+            pixels.pixel(border, y), static_cast<std::size_t>(pixels.width() - 2 * border));
+    });
+}
+
+}  // namespace
 
 Source map_source(const Image& pixels, const Layout& layout) {
     const int size = pixels.width() / layout.width_units;
@@ -356,6 +480,7 @@ Source map_source(const Image& pixels, const Layout& layout) {
         source.pixels = prepared_angular(pixels, source.border);
     }
     source.mean_solid_angle = 4 * pi / (layout.directed_area() * size * size);
+    set_lights(source);
     return source;
 }
 

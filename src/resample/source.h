@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/image.h"
 #include "map/affine.h"
@@ -8,6 +9,7 @@
 #include "map/projections.h"
 #include "resample/rgbw.h"
 #include "resample/rim_strip.h"
+#include "resample/row_light.h"
 
 namespace chromeball {
 
@@ -31,6 +33,8 @@ struct Source {
     double left = 0, top = 0, right = 0, bottom = 0;
     RimStrip rim;  ///< of a ball: what its rim shows
 
+    /// Of each row of `pixels`, without the border: where single pixels may outshine the rest.
+    std::vector<RowLight> lights;
     /// Steradians per pixel in the mean, over what the picture shows.
     double mean_solid_angle = 0;
 };

@@ -233,9 +233,10 @@ TEST(Kernels, NeverMakeLightThatIsNotThere) {
         for (int x = 0; x < map.width(); ++x)
             std::fill_n(map.pixel(x, y), 3, (x * 7 + y * 5) % 11 == 0 ? 1e4F : 0.01F);
     const Source source = map_source(map, layout);
-    for (const Layout& to : layouts())
+    for (const char* name : {"latlong", "openexr", "angular", "mirror-ball"})
         for_each_target([&](const std::string& target) {
-            const Image out = resample(source, to, 150);
+            const Layout& to = layout_named(name);
+            const Image out = resample(source, to, 100);
             float lowest = 1e9F, highest = 0;
             for (int y = 0; y < out.height(); ++y)
                 for (int x = 0; x < out.width(); ++x) {
