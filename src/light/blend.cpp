@@ -224,6 +224,7 @@ public:
     ToOutput(const ViewCube& cube, const Layout& layout, int size, const Rotation& to_output)
         : cube_(cube), layout_(layout), size_(size) {
         how_.rotation = to_output;
+        how_.keeps_light = false;  // shares and stops are no light
     }
     Image operator()(const Image& picture) const {
         return resample(map_source(picture, cube_.layout()), layout_, size_, how_);
@@ -330,7 +331,9 @@ Image confidence_of(const PlacedView& view, const Image& map, const Layout& layo
 Image confidence_of(const Source& confidence, const Image& map, const Layout& layout,
                     const ResampleOptions& how, const Watch& watch) {
     const int size = map.width() / layout.width_units;
-    return confidence_where_shown(resample(confidence, layout, size, how, watch), map);
+    ResampleOptions plain = how;
+    plain.keeps_light = false;
+    return confidence_where_shown(resample(confidence, layout, size, plain, watch), map);
 }
 
 Blended blend(const std::vector<PlacedView>& views, const Layout& layout, int size,

@@ -101,7 +101,10 @@ void fill_unbelieved(Image& map, const Image& confidence, const Layout& layout) 
             for (int c = 0; c < 3; ++c) to[c] = from[c] * believed(x, y);
             to[3] = (has_alpha ? from[3] : 1) * believed(x, y);
         }
-    Image around = resample(map_source(weighed, layout), cube, kCube);
+    // Colours and their weight alike, so that one can be divided by the other.
+    ResampleOptions plain;
+    plain.keeps_light = false;
+    Image around = resample(map_source(weighed, layout), cube, kCube, plain);
     float* p = around.row(0);
     for (std::size_t i = 0; i < around.size().pixels(); ++i, p += 4) {
         const bool known = p[3] > 0.5F;

@@ -176,7 +176,9 @@ Image page_faces(const Environment& environment, const Image& map, const Layout&
     const Layout& opengl = *find_layout("faces-opengl");
     Image faces = resample(map_source(map, layout), opengl, face);
     if (!confidence.empty()) {
-        const Image believed = resample(map_source(confidence, layout), opengl, face);
+        ResampleOptions plain;
+        plain.keeps_light = false;
+        const Image believed = resample(map_source(confidence, layout), opengl, face, plain);
         for (int y = 0; y < faces.height(); ++y)
             for (int x = 0; x < faces.width(); ++x)
                 faces.pixel(x, y)[3] *= std::clamp(believed.pixel(x, y)[0], 0.0F, 1.0F);
