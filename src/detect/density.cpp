@@ -15,36 +15,45 @@ using Squares = std::array<float, kBatch>;
 /// One value of each profile of a batch: GCC's and Clang's vectors, on any processor.
 using Lanes [[gnu::vector_size(kBatch * sizeof(float))]] = float;
 
-/// The squares of a batch's whitened samples, handed out in their order.
-template <std::size_t N, class Each>
+/// What each row of the whitening makes of the samples, squared. Rows side by side share the
+/// samples and do not wait for each other's sums.
+template <std::size_t N>
 [[gnu::always_inline]] inline void whiten(const BatchOf<N>& batch, const DensityOf<N>& density,
-                                          Each each) {
+                                          Lanes (&squares)[N]) {
+    constexpr std::size_t kRows = 4;
     Lanes samples[N];
     std::memcpy(samples, batch.samples.data(), sizeof samples);
-    for (std::size_t i = 0; i < N; ++i) {
-        Lanes sum{};
-        const float* row = density.whiten.data() + i * (i + 1) / 2;
-        for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
-        each(i, sum * sum);
+    const float* row = density.whiten.data();
+    std::size_t i = 0;
+    for (; i + kRows <= N; i += kRows) {
+        const float* rows[kRows];
+        for (std::size_t r = 0; r < kRows; ++r) rows[r] = row, row += i + r + 1;
+        Lanes sums[kRows]{};
+        for (std::size_t k = 0; k <= i; ++k)
+            for (std::size_t r = 0; r < kRows; ++r) sums[r] += rows[r][k] * samples[k];
+        for (std::size_t r = 1; r < kRows; ++r)
+            for (std::size_t k = i + 1; k <= i + r; ++k) sums[r] += rows[r][k] * samples[k];
+        for (std::size_t r = 0; r < kRows; ++r) squares[i + r] = sums[r] * sums[r];
     }
-}
-
-Squares stored(const Lanes& lanes) {
-    Squares result;
-    std::memcpy(result.data(), &lanes, sizeof lanes);
-    return result;
+    for (; i < N; ++i) {
+        Lanes sum{};
+        for (std::size_t k = 0; k <= i; ++k) sum += row[k] * samples[k];
+        row += i + 1;
+        squares[i] = sum * sum;
+    }
 }
 
 /// The squared length of each whitened profile.
 struct Whitened {
     template <std::size_t N>
     [[gnu::always_inline]] static Squares of(const BatchOf<N>& batch, const DensityOf<N>& density) {
-        Lanes squares{};
-        whiten(
-            batch, density, [&](std::size_t, const Lanes& square) __attribute__((always_inline)) {
-                squares += square;
-            });
-        return stored(squares);
+        Lanes squares[N];
+        whiten(batch, density, squares);
+        Lanes all{};
+        for (std::size_t i = 0; i < N; ++i) all += squares[i];
+        Squares result;
+        std::memcpy(result.data(), &all, sizeof all);
+        return result;
     }
 };
 
@@ -53,19 +62,38 @@ constexpr std::size_t kScales = 4;
 constexpr float kScaleStep = 0.25f;  // of the variance
 constexpr float kFreedom = 3;        // degrees of, in Student's distribution
 
+using Whole [[gnu::vector_size(kBatch * sizeof(float))]] = std::int32_t;
+
+/// Natural logarithms of m 2^e, with m above 0 and normal, to 1e-7.
+[[gnu::always_inline]] inline void logarithm(const Lanes& m, const Whole& e, Lanes& log) {
+    // m = n 2^f with n from sqrt(1/2) to sqrt(2); log n = 2 atanh s, as its series.
+    constexpr std::int32_t kRootOfHalf = 0x3f3504f3;
+    Whole bits;
+    std::memcpy(&bits, &m, sizeof bits);
+    bits -= kRootOfHalf;
+    const Lanes exponents = __builtin_convertvector(e + (bits >> 23), Lanes);
+    bits = (bits & 0x7fffff) + kRootOfHalf;
+    Lanes n;
+    std::memcpy(&n, &bits, sizeof n);
+    const Lanes s = (n - 1) / (n + 1), q = s * s;
+    log = exponents * 0.69314718f +
+          2 * s * (1 + q * (1 / 3.f + q * (1 / 5.f + q * (1 / 7.f + q * (1 / 9.f)))));
+}
+
 /// -2 log likelihoods but for the density's own determinant.
 struct RobustCosts {
     template <std::size_t N>
     [[gnu::always_inline]] static Squares of(const BatchOf<N>& batch, const DensityOf<N>& density) {
-        using Whole [[gnu::vector_size(kBatch * sizeof(float))]] = std::int32_t;
+        // Of factors whose sum is N / kFreedom / kScaleStep^3 at most, so many stay below 2^100.
+        constexpr std::size_t kFactors = 12;
         Lanes squares[N];
+        whiten(batch, density, squares);
         Lanes all{};
-        whiten(
-            batch, density, [&](std::size_t i, const Lanes& square) __attribute__((always_inline)) {
-                all += squares[i] = square;
-            });
+        for (std::size_t i = 0; i < N; ++i) all += squares[i];
         Lanes variance = all / static_cast<float>(N) + 1e-30f;
-        Lanes least = variance;
+        Lanes log_variance;
+        logarithm(variance, Whole{}, log_variance);
+        Lanes least{};
         for (std::size_t scale = 0; scale < kScales; ++scale) {
             // The logarithm of a product: exponents are summed, mantissas multiplied.
             const Lanes part = 1 / (kFreedom * variance);
@@ -73,23 +101,23 @@ struct RobustCosts {
             Whole exponents{};
             for (std::size_t i = 0; i < N; ++i) {
                 product *= 1 + squares[i] * part;
-                if (i % 4 != 3 && i + 1 != N) continue;
+                if (i % kFactors != kFactors - 1 || i + 1 == N) continue;
                 Whole bits;
                 std::memcpy(&bits, &product, sizeof bits);
                 exponents += (bits >> 23) - 127;
                 bits = (bits & 0x7fffff) | 0x3f800000;
                 std::memcpy(&product, &bits, sizeof bits);
             }
-            for (std::size_t r = 0; r < kBatch; ++r) {
-                const float sum =
-                    0.69314718f * static_cast<float>(exponents[r]) + std::log(product[r]);
-                const float cost =
-                    (kFreedom + 1) * sum + static_cast<float>(N) * std::log(variance[r]);
-                least[r] = scale == 0 ? cost : std::min(least[r], cost);
-            }
+            Lanes cost;
+            logarithm(product, exponents, cost);
+            cost = (kFreedom + 1) * cost + static_cast<float>(N) * log_variance;
+            least = scale == 0 ? cost : (cost < least ? cost : least);
             variance *= kScaleStep;
+            log_variance -= 2 * 0.69314718f;  // -log(kScaleStep)
         }
-        return stored(least);
+        Squares result;
+        std::memcpy(result.data(), &least, sizeof least);
+        return result;
     }
 };
 
@@ -104,7 +132,7 @@ template <class Kernel, std::size_t N>
 }
 #endif
 
-/// A third of the search's time goes here, so there is a copy of a kernel for each width of
+/// Half of a search's time goes here, so there is a copy of a kernel for each width of
 /// registers; the lanes do not meet, and products are not contracted (see CMakeLists.txt), so all
 /// give the same bits.
 template <class Kernel, std::size_t N>
@@ -164,7 +192,7 @@ template <std::size_t N>
 bool normalise(ProfileOf<N>& profile) {
     double sum = 0, squares = 0;
     for (const float v : profile) sum += static_cast<double>(v);
-    if (!std::isfinite(sum)) return false;
+    if (std::isnan(sum)) return false;
     for (float& v : profile) {
         v -= static_cast<float>(sum / N);
         squares += static_cast<double>(v * v);
