@@ -34,11 +34,13 @@ void mix_integers(const Photo& photo, Raster<std::uint16_t>& out) {
     }
 }
 
-std::uint32_t all_bits_if(bool condition) { return 0u - static_cast<std::uint32_t>(condition); }
+[[gnu::always_inline]] inline std::uint32_t all_bits_if(bool condition) {
+    return 0u - static_cast<std::uint32_t>(condition);
+}
 
 /// A half from its bits; infinity becomes 65536. Without branches, for compilers to make vectors
 /// of.
-float from_half(std::uint16_t half) {
+[[gnu::always_inline]] inline float from_half(std::uint16_t half) {
     const std::uint32_t magnitude = half & 0x7fffu, sign = (half & 0x8000u) << 16;
     const std::uint32_t rebased = (magnitude << 13) + (112u << 23);
     // Below 2^-14 there is no implied leading one: put one there and take it away again.
@@ -50,14 +52,15 @@ float from_half(std::uint16_t half) {
 }
 
 /// Negative values come from colour-space changes; for finding edges they are black, as NaN is.
-float as_light(float value) {
+[[gnu::always_inline]] inline float as_light(float value) {
     return value > 0 ? std::min(value, std::numeric_limits<float>::max()) : 0.f;
 }
 
 constexpr std::size_t kAtOnce = 1024;  // pixels
 
 /// Light of at most kAtOnce pixels.
-void mix_floats(const float* in, int channels, std::size_t count, float* out) {
+[[gnu::always_inline]] inline void mix_floats(const float* in, int channels, std::size_t count,
+                                              float* out) {
     const auto step = static_cast<std::size_t>(channels);
     if (channels < 3) {
         for (std::size_t i = 0; i < count; ++i) out[i] = as_light(in[i * step]);
@@ -72,7 +75,8 @@ void mix_floats(const float* in, int channels, std::size_t count, float* out) {
         for (std::size_t i = 0; i < count; ++i) out[i] = mixed(in + i * step);
 }
 
-void mix_floats(const std::uint16_t* in, int channels, std::size_t count, float* out) {
+[[gnu::always_inline]] inline void mix_floats(const std::uint16_t* in, int channels,
+                                              std::size_t count, float* out) {
     std::array<float, 4 * kAtOnce> values;
     const std::size_t most = values.size() / static_cast<std::size_t>(channels);
     for (std::size_t done = 0; done < count; done += most) {
@@ -93,7 +97,7 @@ float quantile(std::vector<float>& values, double part) {
 
 /// Natural logarithm of a finite value >= 1, to 1e-7: the same bits on any processor, and in steps
 /// that compilers turn into vectors.
-float logarithm(float value) {
+[[gnu::always_inline]] inline float logarithm(float value) {
     // value = m 2^e with m from sqrt(1/2) to sqrt(2); log m = 2 atanh s, as its series.
     constexpr std::uint32_t kRootOfHalf = 0x3f3504f3;
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(value) - kRootOfHalf;
@@ -102,6 +106,52 @@ float logarithm(float value) {
     const float s = (m - 1) / (m + 1), q = s * s;
     return e * std::numbers::ln2_v<float> + 2 * s * (1 + q * (1 / 3.f + q * (1 / 5.f + q / 7)));
 }
+
+/// How light becomes codes: code = per_log log(1 + light per_knee), light per_knee at most `most`.
+struct Compression {
+    float per_knee, per_log, most;
+};
+
+/// The codes of so many pixels. This loop sees every pixel of a large photo, so there is a copy for
+/// wider registers; products are not contracted there, so both give the same bits.
+template <class T>
+[[gnu::always_inline]] inline void compress(const T* in, int channels, std::size_t count,
+                                            const Compression& how, std::uint16_t* codes) {
+    std::array<float, kAtOnce> light;
+    for (std::size_t first = 0; first < count; first += light.size()) {
+        const std::size_t some_more = std::min(light.size(), count - first);
+        mix_floats(in + first * static_cast<std::size_t>(channels), channels, some_more,
+                   light.data());
+        for (std::size_t i = 0; i < some_more; ++i) {
+            const float code =
+                how.per_log * logarithm(1 + std::min(light[i] * how.per_knee, how.most));
+            codes[first + i] = static_cast<std::uint16_t>(
+                static_cast<std::int32_t>(std::min(code, float{kCodes - 1})));
+        }
+    }
+}
+
+#if defined(__x86_64__) && defined(__GNUC__)
+template <class T>
+[[gnu::target("avx2")]] void compress_by_8(const T* in, int channels, std::size_t count,
+                                           const Compression& how, std::uint16_t* codes) {
+    compress(in, channels, count, how, codes);
+}
+template <class T>
+void compress_fast(const T* in, int channels, std::size_t count, const Compression& how,
+                   std::uint16_t* codes) {
+    if (__builtin_cpu_supports("avx2"))
+        compress_by_8(in, channels, count, how, codes);
+    else
+        compress(in, channels, count, how, codes);
+}
+#else
+template <class T>
+void compress_fast(const T* in, int channels, std::size_t count, const Compression& how,
+                   std::uint16_t* codes) {
+    compress(in, channels, count, how, codes);
+}
+#endif
 
 /// log(1 + x / knee) up to a high percentile: linear in the dark, logarithmic above, so neither the
 /// sun nor the unit of the file matters.
@@ -122,19 +172,9 @@ Grey compressed(const Photo& photo) {
     const double gain = (kCodes - 1) / std::log1p(top / knee);
 
     Grey grey{Raster<std::uint16_t>(photo.window.size), std::vector<float>(kCodes)};
-    const auto per_knee = static_cast<float>(1 / knee), per_log = static_cast<float>(gain);
-    const auto most = static_cast<float>(std::min(top / knee, 1e38));
-    std::array<float, kAtOnce> light;
-    for (std::size_t first = 0; first < count; first += light.size()) {
-        const std::size_t some_more = std::min(light.size(), count - first);
-        mix_floats(in + first * channels, photo.channels, some_more, light.data());
-        std::uint16_t* codes = grey.pixels.values.data() + first;
-        for (std::size_t i = 0; i < some_more; ++i) {
-            const float code = per_log * logarithm(1 + std::min(light[i] * per_knee, most));
-            codes[i] = static_cast<std::uint16_t>(
-                static_cast<std::int32_t>(std::min(code, float{kCodes - 1})));
-        }
-    }
+    const Compression how{static_cast<float>(1 / knee), static_cast<float>(gain),
+                          static_cast<float>(std::min(top / knee, 1e38))};
+    compress_fast(in, photo.channels, count, how, grey.pixels.values.data());
     for (int i = 0; i < kCodes; ++i)
         grey.linear[static_cast<std::size_t>(i)] = static_cast<float>(std::expm1(i / gain));
     return grey;
