@@ -192,7 +192,7 @@ template <std::size_t N>
 bool normalise(ProfileOf<N>& profile) {
     double sum = 0, squares = 0;
     for (const float v : profile) sum += static_cast<double>(v);
-    if (std::isnan(sum)) return false;
+    if (!std::isfinite(sum)) return false;
     for (float& v : profile) {
         v -= static_cast<float>(sum / N);
         squares += static_cast<double>(v * v);
