@@ -27,8 +27,7 @@ bool is_whole(const std::string& file, const std::string& fingerprint, FileForma
         const auto past = provenance_from(header.metadata);
         if (!past || past->fingerprint != fingerprint) return false;
         // The reader holds an EXR against its table of contents; others show it by being read.
-        if (format != FileFormat::exr) read_photo(file);
-        return true;
+        return format == FileFormat::exr || read_photo(file).damage.empty();
     } catch (const Error&) {
         return false;
     }

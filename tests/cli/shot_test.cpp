@@ -286,6 +286,24 @@ TEST(Shot, StopsWhenInterruptedAndGoesOn) {
     EXPECT_EQ(results(folder, "out"), expected());
 }
 
+TEST(Shot, WritesPicturesAnewThatWereCutOff) {
+    const TempFolder folder;
+    put_plates(folder);
+    for (const std::string kind : {"png", "jpg"}) {
+        make(folder, kind);
+        Words words = shot(kind, {"--size", "64", "--frames", "1005-1008"});
+        *std::next(std::find(words.begin(), words.end(), "-o")) = kind + "/probe.####." + kind;
+        ASSERT_EQ(run(folder, words).status, 0);
+        const auto file = [&](int frame) {
+            return folder / fmt::format("{}/probe.{}.{}", kind, frame, kind);
+        };
+        const std::string whole = read_bytes(file(1006));
+        write_bytes(file(1006), whole.substr(0, whole.size() * 3 / 4));
+        ASSERT_EQ(run(folder, words).status, 0);
+        EXPECT_TRUE(read_bytes(file(1006)) == whole) << kind;
+    }
+}
+
 TEST(Shot, WritesTheOthersWhenFramesAreBroken) {
     const TempFolder folder;
     put_plates(folder);
