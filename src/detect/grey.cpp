@@ -234,6 +234,14 @@ Grey grey_of(const Photo& photo) {
                                         : compressed<float>(photo);
 }
 
+Grey grey_of(const Level& level, const std::vector<float>& linear) {
+    Grey grey{Raster<std::uint16_t>(level.grey.size), linear};
+    std::ranges::transform(level.grey.values, grey.pixels.values.begin(), [](float v) {
+        return static_cast<std::uint16_t>(std::lround(std::clamp(v, 0.0f, 1.0f) * (kCodes - 1)));
+    });
+    return grey;
+}
+
 std::vector<Level> pyramid(const Raster<std::uint16_t>& picture, int longest) {
     const auto [width, height] = picture.size;
     const double shrink = std::max(1.0, std::max(width, height) / double(longest));

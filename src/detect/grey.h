@@ -67,6 +67,9 @@ struct Level {
 /// Alpha is left out; NaN counts as black, infinity as the brightest.
 Grey grey_of(const Photo& photo);
 
+/// A level as a photo of its own, whose codes stand for the same light.
+Grey grey_of(const Level& level, const std::vector<float>& linear);
+
 /// Levels from at most `longest` pixels on the long side down to about 40, each half the one
 /// before.
 std::vector<Level> pyramid(const Raster<std::uint16_t>& picture, int longest);
