@@ -17,12 +17,16 @@ RimSearch search_of(const Pass& pass, double r) {
             .tight = std::max(pass.tight * r, 0.6)};
 }
 
-/// The rim from one start, in pixels of the photo.
-Rim followed(const Picture& picture, const Outline& start, const Pass& pass) {
+/// The rim from one start, in pixels of the photo. blur: of the rim as far as it is known, of the
+/// photo; a level on which it is wider than a few pixels only shows how noisy it is.
+Rim followed(const Picture& picture, const Outline& start, const Pass& pass, double blur) {
+    constexpr double kWidest = 1.6, kLeastRadius = 60;  // pixels of the level
     const double r = radius(start);
-    if (r <= pass.largest_radius)
+    const double largest =
+        std::min(pass.largest_radius, std::max(kLeastRadius, kWidest * r / std::max(blur, 1e-3)));
+    if (r <= largest)
         return fit_rim(picture.grey, Tone::compressed, start, search_of(pass, r), picture.lens);
-    const Level& level = level_for(picture.levels, r, pass.largest_radius);
+    const Level& level = level_for(picture.levels, r, largest);
     const double sx = level.scale_x, sy = level.scale_y;
     Rim rim = fit_rim(level.grey, scaled(start, 1 / sx, 1 / sy), search_of(pass, r / level.scale()),
                       picture.lens.scaled(1 / sx, 1 / sy));
@@ -64,8 +68,11 @@ void follow_finely(Draft& draft, const Picture& picture) {
 void settle_edge(Draft& draft, const Picture& picture) {
     constexpr double kFinestStep = 0.7;  // pixels: finer samples share their pixels' noise
     constexpr double kLeastEvidence = 4.5;
+    // A rim out of focus looks to the mirror's model as a sharp one further out: how soft it is has
+    // to be told.
+    constexpr double kSoft = 1.1;  // pixels
     double step = std::max(kFinestStep, 0.5 * draft.rim.blur);
-    double blur = 0;
+    double blur = draft.rim.blur > kSoft ? draft.rim.blur : 0;
     for (int round = 0; round < 3; ++round) {
         const double r = radius(draft.outline);
         const double spacing = std::clamp(r / 40, std::max(1.0, step), 6.0);
@@ -89,13 +96,14 @@ void settle_edge(Draft& draft, const Picture& picture) {
 
 void follow(Draft& draft, const Picture& picture, const Pass& pass) {
     const Outline first = draft.outline;
+    const double blur = draft.rim.blur;
     double best = -1;
     for (const double factor : pass.starts) {
         if (factor == 0) continue;
         Outline start = first;
         start.a *= factor;
         start.b *= factor;
-        keep_if_better(draft, best, followed(picture, start, pass));
+        keep_if_better(draft, best, followed(picture, start, pass, blur));
     }
 }
 
@@ -105,19 +113,21 @@ void escape(Draft& draft, const Picture& picture) {
     const Pass pass{350, 160, 0.09, 0.035, 0.006, {1}};
     const Outline first = draft.outline;
     const double r = radius(first);
-    double best = followed(picture, first, pass).significance;
+    const double blur = draft.rim.blur;
+    double best = followed(picture, first, pass, blur).significance;
     for (int i = 0; i < kDirections; ++i) {
         const double turn = 2 * std::numbers::pi * i / kDirections;
         const Outline start{first.cx + kShift * r * std::cos(turn),
                             first.cy + kShift * r * std::sin(turn), first.a * (1 + kShift),
                             first.b * (1 + kShift), first.angle};
-        keep_if_better(draft, best, followed(picture, start, pass));
+        keep_if_better(draft, best, followed(picture, start, pass, blur));
     }
 }
 
 void finish(Draft& draft, const Picture& picture, bool always) {
     const Outline before = draft.outline;
     follow_finely(draft, picture);
+    draft.last.coverage = draft.rim.coverage;
     draft.last.visible = draft.rim.visible / std::max(draft.rim.inside_picture, 0.1);
     if (always || draft.score >= kWorthSettling) settle_edge(draft, picture);
     draft.last.change = rim_deviation(draft.outline, before);

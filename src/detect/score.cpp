@@ -231,10 +231,8 @@ double gate(double value, double half, double width) {
 /// What a mirror ball shows all at once: log2 of soft steps, 0 where it does. The halves lie about
 /// half-way between what mirror balls and other round things show, in logarithms where the quantity
 /// is a ratio.
-std::array<double, kGates> gates_of(const Evidence& e) {
-    const double clear = e.rim.visible / std::max(e.rim.inside_picture, 0.01);
-    return {gate(0.5 * (e.rim.coverage + clear), 0.55, 0.05),
-            gate(std::log(std::max(e.rim.significance, 1e-4)), std::log(12.0), 0.35),
+std::array<double, kGates> gates_of(const Evidence& e, double rim_shows) {
+    return {rim_shows, gate(std::log(std::max(e.rim.significance, 1e-4)), std::log(12.0), 0.35),
             // A mirror squeezes the world by 1 / cos^2 of the normal's angle, paint on a ball is
             // squeezed by 1 / cos: at 0.8 of the radius log2 of it is 1.5 and 0.75. Flat round
             // things show 0.
@@ -245,22 +243,29 @@ std::array<double, kGates> gates_of(const Evidence& e) {
             gate(-e.step, -1.8, 0.2)};
 }
 
+double gate_of_rough(const Rim& rim) {
+    const double clear = rim.visible / std::max(rim.inside_picture, 0.01);
+    return gate(0.5 * (rim.coverage + clear), 0.55, 0.05);
+}
+
+/// In the photo's own pixels along the last fit more of it shows, of what is no rim, too.
+double gate_of_fine(const LastFit& last) {
+    return gate(0.5 * (last.coverage + last.visible), 0.735, 0.02);
+}
+
 }  // namespace
 
 double score_of(const Evidence& e) {
-    const auto gates = gates_of(e);
+    const auto gates = gates_of(e, gate_of_rough(e.rim));
     return std::exp2(std::accumulate(gates.begin(), gates.end(), 0.0));
-}
-
-std::vector<double> gate_signs(const Evidence& e) {
-    const auto gates = gates_of(e);
-    return {gates.begin(), gates.end()};
 }
 
 std::vector<double> signs_of(const Evidence& e, const LastFit& last) {
     const double r = std::max(e.photo_radius, 1.0);
     const auto log2 = [](double v) { return std::log2(std::max(v, 1e-9)); };
-    std::vector<double> signs = gate_signs(e);
+    // A faint, soft or partly hidden rim shows in parts only on the search's levels.
+    const auto gates = gates_of(e, std::max(gate_of_rough(e.rim), gate_of_fine(last)));
+    std::vector<double> signs(gates.begin(), gates.end());
     // The last fit's deviation as if all of the ball were inside the picture: how well each part of
     // the rim is known. A fit of an arc, a part f of the circle, is off by about f^-1.6 as much if
     // it is a circle and f^-3.6 if any ellipse, near a half. As good as nothing where there was no

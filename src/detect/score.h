@@ -35,15 +35,14 @@ double score_of(const Evidence& evidence);
 
 /// What the last fits of the rim, in the photo's own pixels, say of themselves.
 struct LastFit {
+    double coverage = 0;   ///< Rim::coverage
     double visible = 0;    ///< part of the rim inside the picture on which a clear edge was found
     double deviation = 0;  ///< of the radius, pixels; 0 where it is not told
     double change = 0;     ///< greatest distance that the rim moved, pixels
 };
 
 /// The evidence as the numbers that are weighed to the probability that this is a mirror ball and
-/// its outline right to 2 %: see all_signs().
+/// its outline right to 2 %: see all_signs(). The gates come first.
 std::vector<double> signs_of(const Evidence& evidence, const LastFit& last);
-/// The gates alone, which come first.
-std::vector<double> gate_signs(const Evidence& evidence);
 
 }  // namespace chromeball::detecting

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -176,6 +177,39 @@ TEST(FindBalls, ABallThatFillsThePictureIsFound) {
     scene.camera = {1000.0, {240, 240}};
     scene.centre = {0, 0, -4.4};
     expect_outline(best_of(camera_photo(scene)), scene.outline(), 0.01);
+}
+
+/// Light as a lens out of focus gathers it: each point a disc of so many pixels' radius.
+std::vector<float> out_of_focus(const std::vector<float>& light, Size size, double radius) {
+    std::vector<float> soft(light.size());
+    const int reach = static_cast<int>(radius);
+    for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
+            float sum[3] = {}, count = 0;
+            for (int v = -reach; v <= reach; ++v)
+                for (int u = -reach; u <= reach; ++u) {
+                    if (u * u + v * v > radius * radius) continue;
+                    const int i = std::clamp(x + u, 0, size.width - 1);
+                    const int j = std::clamp(y + v, 0, size.height - 1);
+                    for (int c = 0; c < 3; ++c)
+                        sum[c] += light[static_cast<std::size_t>(3 * (j * size.width + i) + c)];
+                    count += 1;
+                }
+            for (int c = 0; c < 3; ++c)
+                soft[static_cast<std::size_t>(3 * (y * size.width + x) + c)] = sum[c] / count;
+        }
+    return soft;
+}
+
+TEST(FindBalls, ABallOutOfFocusIsFound) {
+    const Scene scene;
+    for (const double part : {0.01, 0.02, 0.03}) {
+        const double radius = part * scene.outline().a;
+        SCOPED_TRACE(radius);
+        expect_outline(
+            best_of(camera_photo(out_of_focus(street_light(), scene.size, radius), scene.size)),
+            scene.outline(), 0.02);
+    }
 }
 
 TEST(FindBalls, ASmallBallIsFound) {
